@@ -1,0 +1,95 @@
+"""The whole pipeline on one page: text -> ast -> typed model -> Dha -> Mld."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Mapping
+
+from hysdel_py.diagnostics.codes import Code
+from hysdel_py.diagnostics.diagnostic import Diagnostic
+from hysdel_py.diagnostics.sink import Sink
+from hysdel_py.lowering.big_m import BigM
+from hysdel_py.lowering.constants import Constants
+from hysdel_py.lowering.dha import to_dha
+from hysdel_py.lowering.mld import to_mld
+from hysdel_py.semantics.parameters import bind_parameters, missing_parameters
+from hysdel_py.semantics.resolve import resolve
+from hysdel_py.semantics.typed_model import TypedModel
+from hysdel_py.syntax.parser import parse
+from hysdel_py.syntax.reader import read_source
+from hysdel_py.systems.dha import Dha
+from hysdel_py.systems.mld import Mld
+
+__all__ = ["analyse", "lower_to_dha", "lower_to_mld"]
+
+
+def analyse(
+    path_or_text: str | os.PathLike[str], given: Mapping[str, object]
+) -> tuple[TypedModel, dict[str, float], tuple[Diagnostic, ...]]:
+    """Everything that needs no lowering: parse, resolve names, check types, bind parameters.
+
+    Returns
+    -------
+    model, values, diagnostics
+        The typed model, the values of its parameters as far as they are known, and warnings and notes.
+
+    Raises
+    ------
+    CompileError
+        With all errors that were found.
+    """
+    sink = Sink()
+    source = read_source(path_or_text, sink)
+    sink.raise_errors(source)
+    system = parse(source, sink)
+    sink.raise_errors(source)
+    assert system is not None  # a failed parse has reported an error
+    model = resolve(system, source, sink)
+    values = bind_parameters(model, given, sink)
+    sink.raise_errors(source)
+    return model, values, sink.diagnostics
+
+
+def lower_to_dha(
+    model: TypedModel, values: Mapping[str, float], constants: Constants
+) -> tuple[Dha, tuple[Diagnostic, ...]]:
+    """Lower to a Dha; all parameters that are used need a value now.
+
+    Raises
+    ------
+    CompileError
+    """
+    sink = Sink()
+    _require_parameters(model, values, sink)
+    dha = to_dha(model, values, constants, sink)
+    sink.raise_errors(model.source)
+    return dha, sink.diagnostics
+
+
+def lower_to_mld(model: TypedModel, dha: Dha, big_m: BigM) -> Mld:
+    """Lower to the MLD form.
+
+    Raises
+    ------
+    CompileError
+    """
+    sink = Sink()
+    mld = to_mld(dha, big_m, sink)
+    sink.raise_errors(model.source)
+    assert mld is not None  # a failed lowering has reported an error
+    return mld
+
+
+def _require_parameters(model: TypedModel, values: Mapping[str, float], sink: Sink) -> None:
+    missing = missing_parameters(model, values)
+    if missing:
+        names = [symbol.name for symbol in missing]
+        sink.error(
+            Code.PARAMETER_MISSING,
+            f"{'a value is' if len(names) == 1 else 'values are'} missing for the parameter{'s' * (len(names) > 1)} "
+            + ", ".join(names),
+            missing[0].span,
+            help=f"give it in the file, by keyword ({names[0]}=...) or by --param {names[0]}=VALUE",
+        )
+        sink.raise_errors(model.source)
+

@@ -1,0 +1,90 @@
+"""The answer of a hybrid controller: an input, how good it is, and what to do when there is none."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from enum import Enum
+from math import inf, nan
+
+import numpy as np
+from numpy.typing import NDArray
+
+from hysdel_py.systems.trajectory import Trajectory
+
+__all__ = ["Move", "MoveStatus"]
+
+
+class MoveStatus(Enum):
+    """What an answer is worth.
+
+    ``OPTIMAL`` and ``FEASIBLE`` come with an input, all others without. The order is that of :attr:`code`.
+    """
+
+    OPTIMAL = "optimal"
+    """The plan is optimal up to the gap that was asked for."""
+    FEASIBLE = "feasible"
+    """The plan keeps the model and the limits; a limit of time or nodes, or trouble in the solver, ended the proof."""
+    INFEASIBLE = "infeasible"
+    """There is no plan, or the measured state is outside the model."""
+    NO_PLAN = "no plan found"
+    """A limit of time or nodes came before the first plan; there may be one."""
+    NUMERICAL = "numerical trouble"
+    """The solver could not answer, or its answer did not pass the check."""
+    UNBOUNDED = "unbounded"
+    """The cost has no lower bound, which a quadratic cost with finite ranges cannot have."""
+
+    @property
+    def code(self) -> int:
+        """Number of the status, 0 for optimal, as the closed loop records it."""
+        return list(MoveStatus).index(self)
+
+    @property
+    def has_input(self) -> bool:
+        """Whether a move with this status has an input."""
+        return self in (MoveStatus.OPTIMAL, MoveStatus.FEASIBLE)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Move:
+    """One answer of a controller.
+
+    Attributes
+    ----------
+    status : MoveStatus
+    message : str
+        The status in plain words and what can be done about it.
+    u : array of shape (nu,), or None
+        First input of the plan, inside its range and with Boolean entries exactly 0 or 1; None when there is no plan.
+    cost : float
+        Cost of the plan, infinite without one.
+    bound : float
+        No plan costs less than this.
+    gap : float
+        Cost minus bound, infinite without a plan.
+    nodes, qps : int
+        Nodes of the branch and bound, and quadratic programs that it solved.
+    seconds : float
+        Wall-clock time of the whole answer.
+    predicted : Trajectory or None
+        The plan: N+1 states, N inputs, outputs and auxiliaries.
+    slack : mapping of name to float
+        By how much each softened limit is exceeded at most.
+    """
+
+    status: MoveStatus
+    message: str
+    u: NDArray[np.float64] | None = None
+    cost: float = inf
+    bound: float = -inf
+    gap: float = inf
+    nodes: int = 0
+    qps: int = 0
+    seconds: float = nan
+    predicted: Trajectory | None = None
+    slack: Mapping[str, float] = field(default_factory=dict)
+
+    @property
+    def ok(self) -> bool:
+        """Whether there is an input."""
+        return self.u is not None

@@ -1,0 +1,165 @@
+"""From the measured state to a program that can be tried, and from the solver's answer to a move in plain words."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from hysdel_py.control.formulation import Formulation, Vectors
+from hysdel_py.control.layout import Plan
+from hysdel_py.control.limits import ResolvedLimits
+from hysdel_py.control.move import Move, MoveStatus
+from hysdel_py.control.prediction import as_trajectory
+from hysdel_py.control.ranges import onto_range
+from hysdel_py.control.settings import ControlTolerances
+from hysdel_py.systems.signals import range_violations
+from hysdel_py.systems.trajectory import Trajectory
+
+if TYPE_CHECKING:
+    from hysdel_py.optimize.miqp import MiqpResult
+
+__all__ = ["admissible_state", "judged", "refused"]
+
+Matrix = NDArray[np.float64]
+
+
+def admissible_state(
+    formulation: Formulation, measured: Matrix, tolerances: ControlTolerances
+) -> tuple[Matrix, tuple[str, ...]]:
+    """Move a measured state onto its range where it is outside by no more than the tolerance.
+
+    Returns
+    -------
+    x0 : array of shape (nx,)
+    reasons : tuple of str
+        Why there can be no plan from this state: ranges that it leaves and requirements of the model that it breaks
+        whatever the input is. The rows of the MLD form are valid inside the ranges only.
+    """
+    variables = formulation.layout.mld.x
+    x0, outside = onto_range(measured, variables, tolerances.measured)
+    reasons = range_violations(
+        measured[outside], [v for v, out in zip(variables, outside, strict=True) if out], "measured state", 0.0
+    )
+    broken = () if reasons else formulation.failed_conditions(x0, tolerances.measured)
+    return x0, (*reasons, *(f"the measured state breaks a requirement of the model: {row}" for row in broken))
+
+
+def refused(reasons: tuple[str, ...], seconds: float) -> Move:
+    """Return the move for a state from which there can be no plan."""
+    advice = "check the measurement, or widen the range in the model if such states occur"
+    return Move(MoveStatus.INFEASIBLE, f"infeasible: {'; '.join(reasons)}; {advice}", seconds=seconds)
+
+
+def judged(
+    formulation: Formulation,
+    vectors: Vectors,
+    x0: Matrix,
+    result: MiqpResult,
+    tolerances: ControlTolerances,
+    *,
+    sample_time: float = 1.0,
+) -> tuple[Move, Plan | None]:
+    """Check the answer of the branch and bound and put it into words.
+
+    Returns
+    -------
+    move : Move
+        Without its time.
+    plan : Plan or None
+        What was planned, None where there is no plan that passed the check.
+    """
+    if result.x is None:
+        status = _status_without_plan(result.status.name)
+        bound = np.inf if status is MoveStatus.INFEASIBLE else result.bound
+        return Move(
+            status, _advice(status, formulation.limits, result), bound=bound, nodes=result.nodes, qps=result.qps
+        ), None
+    v = result.x.copy()
+    v[formulation.binaries] = np.round(v[formulation.binaries])
+    residual = formulation.residual(v, vectors)
+    if not residual <= tolerances.residual:
+        message = f"numerical trouble: the plan violates the model by {residual:.2g}; {_TROUBLE}"
+        return Move(MoveStatus.NUMERICAL, message, bound=result.bound, nodes=result.nodes, qps=result.qps), None
+    plan = formulation.layout.split(np.clip(v, formulation.lb, formulation.ub), x0)
+    predicted = as_trajectory(formulation.layout.mld, plan, sample_time)
+    status = MoveStatus.OPTIMAL if result.status.name == "OPTIMAL" else MoveStatus.FEASIBLE
+    move = Move(
+        status,
+        "; ".join([_worth(status, result), *_remarks(formulation, predicted)]),
+        u=predicted.u[0].copy(),
+        cost=float(result.objective),
+        bound=float(result.bound),
+        gap=float(result.gap),
+        predicted=predicted,
+        slack=dict(zip(formulation.limits.slacks, plan.slack.tolist(), strict=True)),
+        nodes=result.nodes,
+        qps=result.qps,
+    )
+    return move, plan
+
+
+def _status_without_plan(name: str) -> MoveStatus:
+    known = {
+        "INFEASIBLE": MoveStatus.INFEASIBLE,
+        "UNBOUNDED": MoveStatus.UNBOUNDED,
+        "TIME_LIMIT": MoveStatus.NO_PLAN,
+        "NODE_LIMIT": MoveStatus.NO_PLAN,
+        "INTERRUPTED": MoveStatus.NO_PLAN,
+    }
+    return known.get(name, MoveStatus.NUMERICAL)
+
+
+def _worth(status: MoveStatus, result: MiqpResult) -> str:
+    if status is MoveStatus.OPTIMAL:
+        return f"optimal: cost {result.objective:.6g}"
+    ended = {"TIME_LIMIT": "the time limit", "NODE_LIMIT": "the node limit", "INTERRUPTED": "an interruption"}
+    cause = ended.get(result.status.name, f"trouble in the solver ({result.message})")
+    return (
+        f"feasible: {cause} ended the search; the plan costs {result.objective:.6g}, which is above the optimum by "
+        f"{result.gap:.3g} at most"
+    )
+
+
+def _remarks(formulation: Formulation, predicted: Trajectory) -> list[str]:
+    """Outputs that are outside their limit now and that no input can move now."""
+    return [
+        f"output {band.name} = {value:.6g} is outside its limit [{band.low:g}, {band.high:g}] now, and no input can "
+        "change that in this step"
+        for band in formulation.unmovable
+        if not band.low <= (value := predicted.y[0, band.column]) <= band.high
+    ]
+
+
+_TROUBLE = 'try the other solver (backend="osqp" or "piqp"), and check that ranges and weights are of similar size'
+
+
+def _advice(status: MoveStatus, limits: ResolvedLimits, result: MiqpResult) -> str:
+    match status:
+        case MoveStatus.INFEASIBLE:
+            return f"infeasible: no plan keeps the model and the limits; {_why_infeasible(limits)}"
+        case MoveStatus.NO_PLAN:
+            return "no plan found: the search ended too early; allow more time or nodes, or shorten the horizon"
+        case MoveStatus.UNBOUNDED:
+            return "unbounded: the cost has no lower bound; give every signal a range"
+        case _:
+            return f"numerical trouble: {result.message}; {_TROUBLE}"
+
+
+def _why_infeasible(limits: ResolvedLimits) -> str:
+    inside = "the measured state is within its declared range"
+    hard = [
+        f"{band.group} {band.name} in [{band.low:g}, {band.high:g}]"
+        for band in limits.bands
+        if band.group != "u" and limits.slack_of(band) is None
+    ]
+    if limits.polytope is not None and limits.polytope_slack is None:
+        hard.append("the terminal polytope")
+    if hard:
+        return f"{inside}; these limits are hard and can be softened with Limits(soft=...): {', '.join(hard)}"
+    inputs = "the limits of the inputs, " if any(band.group == "u" for band in limits.bands) else ""
+    return (
+        f"{inside} and no hard limit of a state or output is left to soften: {inputs}the declared ranges and the MUST "
+        "requirements of the model cannot be kept over the horizon"
+    )

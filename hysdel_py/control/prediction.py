@@ -1,0 +1,102 @@
+"""Plans that follow the model: simulated binaries, shifted plans, and plans as trajectories."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import replace
+from functools import partial
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from hysdel_py.control.formulation import Formulation
+from hysdel_py.control.layout import Plan
+from hysdel_py.errors import HysdelError
+from hysdel_py.systems.mld import Mld
+from hysdel_py.systems.trajectory import Trajectory
+
+__all__ = ["Step", "as_trajectory", "choose_step", "shifted", "simulated_binaries"]
+
+Matrix = NDArray[np.float64]
+Step = Callable[[Matrix, Matrix], tuple[Matrix, Matrix, Matrix, Matrix]]
+
+
+def choose_step(model: Any, mld: Mld) -> Step | None:
+    """Return the fastest simulation of a model whose auxiliaries are those of its MLD form, None if there is none.
+
+    It does not check ranges: inputs that lead slightly out of them may still have the binaries of a good plan.
+    """
+    dha = getattr(model, "dha", None)
+    if dha is not None and _same_auxiliaries(dha, mld):
+        return partial(dha.step, check=False)
+    return getattr(mld, "step", None)
+
+
+def _same_auxiliaries(dha: Any, mld: Mld) -> bool:
+    return all(
+        tuple(v.name for v in getattr(dha, group, ())) == tuple(v.name for v in getattr(mld, group))
+        for group in ("d", "z")
+    )
+
+
+def simulated_binaries(formulation: Formulation, step: Step | None, x0: Matrix, plan: Plan) -> Matrix:
+    """Return the binaries that the model itself gives to the inputs of a plan.
+
+    The inputs are moved into their limits, Boolean ones to 0 or 1, and simulated from `x0`. From the first step that
+    the model does not have, or without a simulation, the rounded values of `plan` stand in.
+
+    Parameters
+    ----------
+    formulation : Formulation
+    step : Step or None
+    x0 : array of shape (nx,)
+    plan : Plan
+        Any values; only the inputs count as far as the simulation gets.
+
+    Returns
+    -------
+    array of 0 and 1, one entry per binary of the formulation
+    """
+    layout = formulation.layout
+    u = _admissible_inputs(formulation, plan.u)
+    x, d, z = plan.x.copy(), plan.d.copy(), plan.z.copy()
+    x[0] = x0
+    for k in range(layout.horizon if step is not None else 0):
+        try:
+            x[k + 1], _, d[k], z[k] = step(x[k], u[k])  # type: ignore[misc]
+        except HysdelError:
+            break
+    v = layout.join(replace(plan, x=x, u=u, d=d, z=z))
+    return np.clip(np.round(v[formulation.binaries]), 0.0, 1.0)
+
+
+def _admissible_inputs(formulation: Formulation, u: Matrix) -> Matrix:
+    layout = formulation.layout
+    nu = layout.mld.nu
+    starts = [layout.start("u", k) for k in range(layout.horizon)]
+    low, high = (np.array([end[i : i + nu] for i in starts]) for end in (formulation.lb, formulation.ub))
+    booleans = np.array([v.is_bool for v in layout.mld.u], dtype=bool)
+    clipped: Matrix = np.clip(np.where(booleans, np.round(u), u), low, high)
+    return clipped
+
+
+def shifted(plan: Plan) -> Plan:
+    """Return the plan one step later, with its last stage repeated."""
+
+    def later(values: Matrix) -> Matrix:
+        return np.vstack([values[1:], values[-1:]])
+
+    return Plan(later(plan.x), later(plan.u), later(plan.d), later(plan.z), plan.slack)
+
+
+def as_trajectory(mld: Mld, plan: Plan, sample_time: float = 1.0) -> Trajectory:
+    """Return a plan as a trajectory, with the outputs of the MLD form and Boolean values exactly 0 or 1."""
+    x, u = plan.x.copy(), plan.u.copy()
+    d = np.round(plan.d)
+    for values, variables in ((x, mld.x), (u, mld.u)):
+        booleans = [i for i, v in enumerate(variables) if v.is_bool]
+        values[:, booleans] = np.round(values[:, booleans])
+    y = x[:-1] @ mld.C.T + u @ mld.D1.T + d @ mld.D2.T + plan.z @ mld.D3.T + mld.D5
+    groups = {"x": mld.x, "u": mld.u, "y": mld.y, "d": mld.d, "z": mld.z}
+    return Trajectory(np.arange(len(x), dtype=np.float64) * float(sample_time), x, u, y, d, plan.z.copy(), groups)

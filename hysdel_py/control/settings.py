@@ -1,0 +1,32 @@
+"""Tolerances of the controllers in one frozen object that is passed down."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+__all__ = ["DEFAULT_CONTROL_TOLERANCES", "ControlTolerances"]
+
+
+@dataclass(frozen=True, slots=True)
+class ControlTolerances:
+    """Numerical tolerances of the predictive controllers.
+
+    Attributes
+    ----------
+    measured : float
+        A measured state may lie outside its declared range by this much, relative to the size of the range's ends and
+        at least absolute; it is then moved onto the end. It covers the residual of the solver that steered the plant
+        there, so it must not be smaller than the solver's own tolerance.
+    residual : float
+        Largest violation of a row of the prediction, relative to the size of its terms and at least absolute, with
+        which a plan is still accepted.
+    definite : float
+        A weight matrix counts as positive semidefinite, and as symmetric, up to this much of its largest entry.
+    """
+
+    measured: float = 1e-6
+    residual: float = 1e-5
+    definite: float = 1e-9
+
+
+DEFAULT_CONTROL_TOLERANCES = ControlTolerances()

@@ -1,0 +1,66 @@
+"""Diagnostics as text with the source line and a caret, and as plain data for JSON."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from hysdel_py.diagnostics.diagnostic import Diagnostic
+from hysdel_py.syntax.source import Source, Span
+
+__all__ = ["as_data", "render"]
+
+_WIDTH = 120
+
+
+def render(diagnostic: Diagnostic, source: Source) -> str:
+    """Text of a diagnostic: headline, source line with carets, further places, help."""
+    headline = f"{diagnostic.severity.value}[{diagnostic.code.value}]: {diagnostic.message}"
+    lines = [headline]
+    if diagnostic.span is None:
+        lines.append(f"  --> {source.name}")
+    else:
+        lines += _place(diagnostic.span, source, "^")
+    for label in diagnostic.labels:
+        lines += [f"  {label.text}:", *_place(label.span, source, "-")]
+    if diagnostic.help:
+        lines.append(f"  help: {diagnostic.help}")
+    return "\n".join(lines) + "\n"
+
+
+def _place(span: Span, source: Source, mark: str) -> list[str]:
+    line, column = source.position(span.start)
+    gutter = " " * len(str(line))
+    shown, start = _window(source.line_text(line).replace("\t", " "), column - 1)
+    length = max(1, min(span.end, span.start + len(shown) - start) - span.start)
+    return [
+        f"{gutter}--> {source.name}:{line}:{column}",
+        f"{gutter} |",
+        f"{line} | {shown}",
+        f"{gutter} | {' ' * start}{mark * length}",
+    ]
+
+
+def _window(text: str, column: int) -> tuple[str, int]:
+    """Cut a very long line to the part around a column."""
+    if len(text) <= _WIDTH:
+        return text, column
+    left = max(0, column - _WIDTH // 2)
+    prefix = "..." if left else ""
+    suffix = "..." if left + _WIDTH < len(text) else ""
+    return f"{prefix}{text[left : left + _WIDTH]}{suffix}", column - left + len(prefix)
+
+
+def as_data(diagnostic: Diagnostic, source: Source) -> dict[str, Any]:
+    """Plain data of a diagnostic for JSON; lines and columns count from 1."""
+    data: dict[str, Any] = {
+        "code": diagnostic.code.value,
+        "severity": diagnostic.severity.value,
+        "message": diagnostic.message,
+        "help": diagnostic.help,
+        "file": source.name,
+    }
+    if diagnostic.span is not None:
+        line, column = source.position(diagnostic.span.start)
+        end_line, end_column = source.position(diagnostic.span.end)
+        data |= {"line": line, "column": column, "end_line": end_line, "end_column": end_column}
+    return data

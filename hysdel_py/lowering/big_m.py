@@ -1,0 +1,118 @@
+"""Ranges of affine forms, from which the big-M constants are taken.
+
+``interval`` is the rule of the original compiler: a variable has its declared range, else the range of its definition;
+a form has the interval of its collected terms.
+"""
+
+from __future__ import annotations
+
+import math
+from enum import Enum
+
+from hysdel_py.diagnostics.codes import Code
+from hysdel_py.diagnostics.sink import Sink
+from hysdel_py.syntax.source import Span
+from hysdel_py.systems.affine import Affine
+from hysdel_py.systems.dha import AffineEquation, Definition, Dha, Switch
+from hysdel_py.systems.origin import Origin
+
+__all__ = ["BigM", "Ranges"]
+
+Interval = tuple[float, float]
+_UNKNOWN = (-math.inf, math.inf)
+
+
+class BigM(Enum):
+    """How the big-M constants are computed."""
+
+    INTERVAL = "interval"
+
+
+class Ranges:
+    """Ranges of variables and forms of one Dha, computed when first needed.
+
+    Mistakes are reported once for each item that needs a range which does not exist.
+    """
+
+    def __init__(self, dha: Dha, sink: Sink) -> None:
+        self._definitions = dha.definitions
+        self._sink = sink
+        self._known: dict[str, Interval] = {
+            v.name: (v.low, v.high)
+            for v in (*dha.x, *dha.u, *dha.d, *dha.z)
+            if math.isfinite(v.low) or math.isfinite(v.high)
+        }
+
+    def of(self, form: Affine, limits: Interval | None, origin: Origin) -> Interval:
+        """Range of a form, or the stated limits; unknown ranges are errors at `origin`."""
+        if limits is not None:
+            return limits
+        for name, coefficient in form.terms:
+            if coefficient and not self._settle(name, origin):
+                return (0.0, 0.0)
+        low, high = form.range(self._known.__getitem__)
+        if not (math.isfinite(low) and math.isfinite(high)):
+            infinite = [n for n, c in form.terms if c and not all(map(math.isfinite, self._known[n]))]
+            self._report(Code.NO_BOUNDS, f"the range of {', '.join(infinite)} is not finite", origin, infinite[-1:])
+            return (0.0, 0.0)
+        return low, high
+
+    def of_variable(self, name: str) -> Interval:
+        """Range of a variable if it can be known, else infinite; never an error."""
+        return self._known[name] if self._settle(name, None) else _UNKNOWN
+
+    def _settle(self, name: str, origin: Origin | None) -> bool:
+        """Make the range of a variable known, following definitions depth first; report to `origin` if given."""
+        path: list[str] = [name]
+        while path:
+            current = path[-1]
+            needed = self._missing_for(current)
+            if needed is None:
+                self._report(Code.NO_BOUNDS, f"{current} has neither bounds nor a definition", origin, [current])
+                return False
+            if needed in path:
+                circle = [*path[path.index(needed) :], needed]
+                self._report(
+                    Code.CIRCULAR_BOUNDS, f"the range of {' <- '.join(circle)} depends on itself", origin, [needed]
+                )
+                return False
+            if needed:
+                path.append(needed)
+            else:
+                if current not in self._known:
+                    self._known[current] = self._from_definition(self._definitions.get(current))
+                path.pop()
+        return True
+
+    def _missing_for(self, name: str) -> str | None:
+        """A variable whose range is needed first, "" if none is, None if there is nothing to compute from."""
+        if name in self._known:
+            return ""
+        definition = self._definitions.get(name)
+        if not isinstance(definition, AffineEquation | Switch):
+            return None
+        forms = [form for form, limits in _forms(definition) if limits is None]
+        missing = (n for form in forms for n, c in form.terms if c and n not in self._known)
+        return next(missing, "")
+
+    def _from_definition(self, definition: Definition | None) -> Interval:
+        if not isinstance(definition, AffineEquation | Switch):
+            return _UNKNOWN
+        ends = [form.range(self._known.__getitem__) if limits is None else limits for form, limits in _forms(definition)]
+        return min(low for low, _ in ends), max(high for _, high in ends)
+
+    def _report(self, code: Code, fact: str, origin: Origin | None, names: list[str]) -> None:
+        if origin is None:
+            return
+        self._sink.error(
+            code,
+            f"this item needs a big-M constant, but {fact}",
+            Span(origin.start, origin.end),
+            help=f"declare a range, as in REAL {names[0] if names else 'x'} [low, high];",
+        )
+
+
+def _forms(definition: AffineEquation | Switch) -> list[tuple[Affine, Interval | None]]:
+    if isinstance(definition, AffineEquation):
+        return [(definition.value, None)]
+    return [(definition.then, definition.then_limits), (definition.otherwise, definition.otherwise_limits)]

@@ -1,0 +1,229 @@
+"""Dha to Mld.
+
+Input: a Dha. Output: an Mld with the rows of the original compiler, item after item in the order of the Dha. Preserved:
+for every state and input inside the declared ranges, next state, output and auxiliaries; only the gap of width epsilon
+on the false side of each event is lost. Every row carries the item it came from.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from hysdel_py.diagnostics.codes import Code
+from hysdel_py.diagnostics.sink import Sink
+from hysdel_py.lowering.big_m import BigM, Ranges
+from hysdel_py.lowering.cnf import MAX_CLAUSES, TooManyClauses, cnf
+from hysdel_py.syntax.source import Span
+from hysdel_py.systems.affine import Affine
+from hysdel_py.systems.dha import (
+    AffineEquation,
+    AffineRequirement,
+    Dha,
+    DhaItem,
+    Event,
+    LogicEquation,
+    LogicRequirement,
+    Switch,
+)
+from hysdel_py.systems.formula import Connective, Formula
+from hysdel_py.systems.mld import Mld
+from hysdel_py.systems.origin import Origin, RowOrigin
+from hysdel_py.systems.signals import Variable
+
+if TYPE_CHECKING:
+    from scipy.sparse import csr_array
+
+__all__ = ["MAX_DENSE_ENTRIES", "to_mld"]
+
+MAX_DENSE_ENTRIES = 50_000_000
+"""Largest number of entries of the dense update and output matrices together (400 MB)."""
+
+
+@dataclass(frozen=True, slots=True)
+class _Row:
+    """``form <= 0`` and where it comes from."""
+
+    form: Affine
+    origin: RowOrigin
+
+
+def to_mld(dha: Dha, big_m: BigM, sink: Sink) -> Mld | None:
+    """Lower a Dha; None where the model is too large for dense matrices, which is an error in the sink."""
+    columns = dha.x + dha.u + dha.d + dha.z
+    if (len(dha.x) + len(dha.y)) * len(columns) > MAX_DENSE_ENTRIES:
+        sink.error(
+            Code.TOO_LARGE,
+            f"{len(dha.x)} states and {len(dha.y)} outputs over {len(columns)} variables: the matrices would hold more "
+            f"than {MAX_DENSE_ENTRIES} entries",
+        )
+        return None
+    ranges = Ranges(dha, sink)
+    rows = [row for item in dha.items for row in _rows(item, ranges, sink)]
+    A, B1, B2, B3, B5, updates = _equations(dha, dha.x, "state")
+    C, D1, D2, D3, D5, outputs = _equations(dha, dha.y, "output")
+    E1, E2, E3, E4, E5 = _inequalities(dha, rows)
+    return Mld(
+        dha.name,
+        *(tuple(_with_range(v, ranges) for v in group) for group in (dha.x, dha.u, dha.y, dha.d, dha.z)),
+        A=A, B1=B1, B2=B2, B3=B3, B5=B5, C=C, D1=D1, D2=D2, D3=D3, D5=D5, E1=E1, E2=E2, E3=E3, E4=E4, E5=E5,
+        rows=tuple(row.origin for row in rows),
+        updates=updates,
+        outputs=outputs,
+        source=dha.source,
+        tolerances=dha.tolerances,
+    )  # fmt: skip
+
+
+def _with_range(variable: Variable, ranges: Ranges) -> Variable:
+    low, high = ranges.of_variable(variable.name)
+    return replace(variable, low=low, high=high)
+
+
+# ---- rows of the items ------------------------------------------------------------------------------------------------
+
+
+def _rows(item: DhaItem, ranges: Ranges, sink: Sink) -> Iterator[_Row]:
+    match item:
+        case Event():
+            forms, kind, name = _event_rows(item, ranges), "AD", item.name
+        case Switch():
+            forms, kind, name = _switch_rows(item, ranges), "DA", item.name
+        case AffineEquation(item="Linear", name=name, value=value):
+            forms, kind = [value - _variable(name), _variable(name) - value], "Linear"
+        case AffineRequirement(value=value):
+            forms, kind, name = [value], "Cont_must", ""
+        case LogicEquation(item="Logic", name=name, value=value):
+            definition = Formula((name, *value.postfix, Connective.IFF))
+            forms, kind = _clause_rows(definition, item.origin, sink), "Logic"
+        case LogicRequirement(value=value):
+            forms, kind, name = _clause_rows(value, item.origin, sink), "Logic_must", ""
+        case _:
+            return
+    for subindex, form in enumerate(forms, start=1):
+        yield _Row(form, item.origin.row(kind, name, subindex))
+
+
+def _variable(name: str, coefficient: float = 1.0) -> Affine:
+    return Affine(0.0, ((name, coefficient),))
+
+
+def _event_rows(event: Event, ranges: Ranges) -> list[Affine]:
+    """[d = 1] <-> [f <= 0]:  f >= eps + (m - eps) d  and  f <= M (1 - d)."""
+    low, high = ranges.of(event.form, event.limits, event.origin)
+    eps = event.epsilon
+    return [
+        Affine(eps) + _variable(event.name, low - eps) - event.form,
+        event.form + _variable(event.name, high) - Affine(high),
+    ]
+
+
+def _switch_rows(switch: Switch, ranges: Ranges) -> list[Affine]:
+    """z = f1 where s = 1 and f2 where s = 0, with s negated by exchanging the branches."""
+    branches = ((switch.then, switch.then_limits), (switch.otherwise, switch.otherwise_limits))
+    (f1, limits1), (f2, limits2) = branches if switch.condition.positive else branches[::-1]
+    low1, high1 = ranges.of(f1, limits1, switch.origin)
+    low2, high2 = ranges.of(f2, limits2, switch.origin)
+    z, s = _variable(switch.name), switch.condition.name
+    return [
+        f1 - z + _variable(s, high1 - low2) - Affine(high1 - low2),
+        z - f1 + _variable(s, high2 - low1) - Affine(high2 - low1),
+        f2 - z + _variable(s, low1 - high2),
+        z - f2 + _variable(s, low2 - high1),
+    ]
+
+
+def _clause_rows(formula: Formula, origin: Origin, sink: Sink) -> list[Affine]:
+    """Each clause OR(p) OR(~n) as  - sum p + sum n <= #n - 1."""
+    try:
+        clauses = cnf(formula)
+    except TooManyClauses:
+        sink.error(
+            Code.TOO_MANY_CLAUSES,
+            f"the logic of this item expands to more than {MAX_CLAUSES} clauses",
+            Span(origin.start, origin.end),
+            help="name parts of it by Boolean auxiliaries in LOGIC",
+        )
+        return []
+    return [
+        Affine(
+            1.0 - sum(not literal.positive for literal in clause),
+            tuple((literal.name, -1.0 if literal.positive else 1.0) for literal in clause),
+        )
+        for clause in clauses
+    ]
+
+
+# ---- matrices ---------------------------------------------------------------------------------------------------------
+
+_Matrix = NDArray[np.float64]
+
+
+def _equations(
+    dha: Dha, variables: tuple[Variable, ...], what: str
+) -> tuple[_Matrix, _Matrix, _Matrix, _Matrix, _Matrix, tuple[RowOrigin, ...]]:
+    """Rows of the update or output equations over (x, u, d, z, 1), and their origins."""
+    groups = (dha.x, dha.u, dha.d, dha.z)
+    place = _places(groups)
+    blocks = [np.zeros((len(variables), len(group))) for group in groups]
+    constant = np.zeros(len(variables))
+    origins = []
+    for row, variable in enumerate(variables):
+        definition = dha.definitions.get(variable.name)
+        if isinstance(definition, AffineEquation | LogicEquation):
+            form = definition.value if isinstance(definition, AffineEquation) else _literal_form(definition.value)
+            origins.append(definition.origin.row(definition.item, variable.name, 1))
+        else:
+            form = Affine()
+            origins.append(Origin(text=f"{what} {variable.name} is never defined").row("", variable.name, 1))
+        constant[row] = form.constant
+        for name, coefficient in form.terms:
+            block, column = place[name]
+            blocks[block][row, column] += coefficient
+    for array in (*blocks, constant):
+        array.setflags(write=False)
+    A, B1, B2, B3 = blocks
+    return A, B1, B2, B3, constant, tuple(origins)
+
+
+def _literal_form(formula: Formula) -> Affine:
+    """A Boolean update that is a literal or a truth value, as an affine form."""
+    literal = formula.literal
+    if literal is None:
+        return Affine(float(formula.postfix[0] is True))
+    return _variable(literal.name) if literal.positive else Affine(1.0) - _variable(literal.name)
+
+
+def _places(groups: tuple[tuple[Variable, ...], ...]) -> Mapping[str, tuple[int, int]]:
+    return {v.name: (block, column) for block, group in enumerate(groups) for column, v in enumerate(group)}
+
+
+def _inequalities(
+    dha: Dha, rows: list[_Row]
+) -> tuple[csr_array, csr_array, csr_array, csr_array, _Matrix]:
+    """Rows as E2 d + E3 z <= E1 u + E4 x + E5."""
+    from scipy.sparse import csr_array
+
+    groups = (dha.u, dha.d, dha.z, dha.x)
+    signs = (-1.0, 1.0, 1.0, -1.0)
+    place = _places(groups)
+    entries: list[tuple[list[int], list[int], list[float]]] = [([], [], []) for _ in groups]
+    for index, row in enumerate(rows):
+        for name, coefficient in row.form.terms:
+            if coefficient:
+                block, column = place[name]
+                i, j, values = entries[block]
+                i.append(index)
+                j.append(column)
+                values.append(signs[block] * coefficient)
+    E1, E2, E3, E4 = (
+        csr_array((values, (i, j)), shape=(len(rows), len(group)), dtype=float)
+        for (i, j, values), group in zip(entries, groups, strict=True)
+    )
+    E5 = np.array([-row.form.constant + 0.0 for row in rows], dtype=float)
+    E5.setflags(write=False)
+    return E1, E2, E3, E4, E5

@@ -1,0 +1,161 @@
+"""A loaded model and its forms, each lowered when first asked for."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Mapping
+from functools import cached_property
+from typing import TYPE_CHECKING, TypeVar
+
+from numpy.typing import ArrayLike
+
+from hysdel_py import compiler
+from hysdel_py.errors import ArgumentError
+from hysdel_py.lowering.big_m import BigM
+from hysdel_py.lowering.constants import Constants
+
+if TYPE_CHECKING:
+    from hysdel_py.diagnostics.diagnostic import Diagnostic
+    from hysdel_py.semantics.typed_model import TypedModel
+    from hysdel_py.systems.dha import Dha
+    from hysdel_py.systems.mld import Mld
+    from hysdel_py.systems.trajectory import Trajectory
+
+__all__ = ["Model", "load", "to_dha", "to_mld"]
+
+_E = TypeVar("_E", BigM, Constants)
+
+
+class Model:
+    """A checked model with the values of its parameters.
+
+    Attributes
+    ----------
+    typed : TypedModel
+        The model with symbolic parameters.
+    parameters : dict of str to float
+        Values from the file and from the call, as far as they are known.
+    diagnostics : tuple of Diagnostic
+        Warnings and notes.
+    """
+
+    def __init__(
+        self, typed: TypedModel, parameters: Mapping[str, float], diagnostics: tuple[Diagnostic, ...]
+    ) -> None:
+        self.typed = typed
+        self.parameters = dict(parameters)
+        self._diagnostics = diagnostics
+
+    @property
+    def name(self) -> str:
+        """Name behind SYSTEM."""
+        return self.typed.name
+
+    @cached_property
+    def _lowered(self) -> tuple[Dha, tuple[Diagnostic, ...]]:
+        return compiler.lower_to_dha(self.typed, self.parameters, Constants.AFFINE)
+
+    @property
+    def diagnostics(self) -> tuple[Diagnostic, ...]:
+        """Warnings and notes of the stages that have run."""
+        lowered = self.__dict__.get("_lowered")
+        return self._diagnostics + (lowered[1] if lowered else ())
+
+    @property
+    def dha(self) -> Dha:
+        """The discrete hybrid automaton, which is the meaning of the model."""
+        return self._lowered[0]
+
+    @cached_property
+    def mld(self) -> Mld:
+        """The mixed logical dynamical form with the default options."""
+        return compiler.lower_to_mld(self.typed, self.dha, BigM.INTERVAL)
+
+    def simulate(
+        self, x0: ArrayLike | Mapping[str, float], inputs: ArrayLike, *, ts: float | None = None, check: bool = True
+    ) -> Trajectory:
+        """Simulate the Dha.
+
+        Parameters
+        ----------
+        x0 : array_like of shape (nx,), or mapping
+        inputs : array_like of shape (N, nu), or int
+            One row per step; a number of steps for a model without inputs.
+        ts : float, optional
+            Sample time for the time axis; the parameter ``ts`` or ``Ts`` of the model where it has one, else 1.
+        check : bool
+            Whether leaving a declared range or violating MUST is an error.
+        """
+        return self.dha.simulate(x0, inputs, ts=self.sample_time if ts is None else ts, check=check)
+
+    @property
+    def sample_time(self) -> float:
+        """Value of the parameter ``ts``, ``Ts`` or ``T_s``, else 1."""
+        return next((self.parameters[name] for name in ("ts", "Ts", "T_s") if name in self.parameters), 1.0)
+
+    def __repr__(self) -> str:
+        counts = {"states": "STATE", "inputs": "INPUT", "outputs": "OUTPUT"}
+        sizes = ", ".join(
+            f"{sum(s.role.name == role for s in self.typed.symbols)} {word}" for word, role in counts.items()
+        )
+        return f"<Model {self.name}: {sizes}, {len(self.typed.items)} items>"
+
+
+def load(path_or_text: str | os.PathLike[str], /, **parameters: float) -> Model:
+    """Load a model.
+
+    Parameters
+    ----------
+    path_or_text : str or path
+        A ``.hys`` file, the name of a shipped model (see ``models/README.md``), or the text of a model.
+    **parameters : float
+        Values for parameters; they win over the values in the file.
+
+    Raises
+    ------
+    CompileError
+        With every mistake that was found, each with its place and what to do.
+
+    Examples
+    --------
+    >>> model = load("SYSTEM leak { INTERFACE { STATE { REAL x [0, 1]; } PARAMETER { REAL a; } }"
+    ...              " IMPLEMENTATION { CONTINUOUS { x = a*x; } } }", a=0.5)
+    >>> model.dha.step([1.0])[0]
+    array([0.5])
+    """
+    from hysdel_py.shipped import locate
+
+    return Model(*compiler.analyse(locate(path_or_text), parameters))
+
+
+def to_dha(model: Model, *, constants: str = "affine") -> Dha:
+    """Lower a model to a Dha with options.
+
+    Parameters
+    ----------
+    constants : {"affine", "aux", "forbid"}
+        Constant terms of updates and outputs go to B5 and D5, to auxiliaries, or are errors.
+    """
+    return compiler.lower_to_dha(model.typed, model.parameters, _option(Constants, constants, "constants"))[0]
+
+
+def to_mld(model: Model, *, big_m: str = "interval", constants: str = "affine") -> Mld:
+    """Lower a model to the MLD form with options.
+
+    Parameters
+    ----------
+    big_m : {"interval"}
+        Rule for the big-M constants: interval arithmetic over the declared ranges, as the original compiler does.
+    constants : {"affine", "aux", "forbid"}
+        Constant terms of updates and outputs go to B5 and D5, to auxiliaries, or are errors.
+    """
+    rule = _option(BigM, big_m, "big_m")
+    return compiler.lower_to_mld(model.typed, to_dha(model, constants=constants), rule)
+
+
+def _option(enum: type[_E], value: str, name: str) -> _E:
+    for member in enum:
+        if value in (member.value, member):
+            return member
+    choices = ", ".join(repr(member.value) for member in enum)
+    raise ArgumentError(f"{name} is {value!r}: one of {choices} was expected")

@@ -1,0 +1,179 @@
+"""The mixed-integer quadratic program, the settings of its solver and its answer."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from enum import Enum
+from math import inf
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from hysdel_py.errors import ArgumentError
+from hysdel_py.optimize.propagation import PropagationSettings
+from hysdel_py.optimize.qp import Qp, QpSettings
+
+__all__ = ["Miqp", "MiqpResult", "MiqpSettings", "MiqpStatus", "SearchInfo"]
+
+Vector = NDArray[np.float64]
+Indices = NDArray[np.intp]
+
+
+class MiqpStatus(Enum):
+    """How the search ended."""
+
+    OPTIMAL = "optimal"
+    INFEASIBLE = "infeasible"
+    UNBOUNDED = "unbounded"
+    TIME_LIMIT = "time limit"
+    NODE_LIMIT = "node limit"
+    INTERRUPTED = "interrupted"
+    NUMERICAL = "numerical trouble"
+
+
+@dataclass(frozen=True, eq=False)
+class Miqp:
+    """A convex quadratic program some of whose variables are 0 or 1.
+
+    Attributes
+    ----------
+    qp : Qp
+        Its bounds are cut to [0, 1] for the binaries.
+    binaries : array of int
+        Indices of the binary variables, each once.
+    priorities : array of shape (number of binaries,), optional
+        The binary with the lowest value is decided first: the stage, in predictive control. All equal by default.
+    drivers : array of int
+        Real variables whose values settle most others through the rows, as the inputs do in predictive control: the
+        relaxed inputs pushed through the rows are a good guess of the binaries.
+    """
+
+    qp: Qp
+    binaries: Any
+    priorities: Any = None
+    drivers: Any = ()
+
+    def __post_init__(self) -> None:
+        binaries = _indices(self.binaries, self.qp.n, "binaries")
+        count = len(binaries)
+        priorities = np.zeros(count) if self.priorities is None else np.asarray(self.priorities, dtype=float)
+        if priorities.shape != (count,) or np.isnan(priorities).any():
+            raise ArgumentError(f"priorities has shape {priorities.shape}: {count} numbers were expected")
+        object.__setattr__(self, "binaries", binaries)
+        object.__setattr__(self, "priorities", priorities)
+        object.__setattr__(self, "drivers", _indices(self.drivers, self.qp.n, "drivers"))
+
+
+@dataclass(frozen=True, slots=True)
+class MiqpSettings:
+    """Everything that can be set in the search.
+
+    Attributes
+    ----------
+    backend : {"piqp", "osqp"}
+        Solver of the relaxations; the other one gives the second opinion.
+    gap_abs, gap_rel : float
+        The search ends once the objective is proven to be within the larger of ``gap_abs`` and
+        ``gap_rel * |objective|`` of the optimum.
+    integrality : float
+        A relaxed binary this close to 0 or 1 is not branched on while others are not.
+    feasibility : float
+        A solution may violate a row or bound by this much, relative to the size of its side and at least absolute.
+    time_limit : float
+        Seconds of wall-clock time.
+    node_limit : int
+        Number of nodes.
+    rounding : int
+        Depth between two calls of the rounding heuristics; 0 switches them off.
+    qp : QpSettings
+    propagation : PropagationSettings
+    """
+
+    backend: str = "piqp"
+    gap_abs: float = 1e-6
+    gap_rel: float = 1e-6
+    integrality: float = 1e-6
+    feasibility: float = 1e-7
+    time_limit: float = inf
+    node_limit: int = 1_000_000
+    rounding: int = 4
+    qp: QpSettings = field(default_factory=QpSettings)
+    propagation: PropagationSettings = field(default_factory=PropagationSettings)
+
+    def __post_init__(self) -> None:
+        for name in ("gap_abs", "gap_rel", "time_limit", "node_limit", "rounding"):
+            if not getattr(self, name) >= 0:
+                raise ArgumentError(f"{name} is {getattr(self, name)}: a number that is not negative was expected")
+        for name in ("integrality", "feasibility"):
+            if not 0 < getattr(self, name) < 0.5:
+                raise ArgumentError(f"{name} is {getattr(self, name)}: a number between 0 and 0.5 was expected")
+
+
+@dataclass(frozen=True, slots=True)
+class SearchInfo:
+    """State of a running search, for the progress callback.
+
+    Attributes
+    ----------
+    nodes, qps, open : int
+        Nodes visited, quadratic programs solved, nodes still to be visited.
+    objective, bound : float
+        Best objective so far and certified lower bound.
+    seconds : float
+    """
+
+    nodes: int
+    qps: int
+    open: int
+    objective: float
+    bound: float
+    seconds: float
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class MiqpResult:
+    """Answer of the search.
+
+    Attributes
+    ----------
+    status : MiqpStatus
+    x : array of shape (n,), or None
+        Best point found, its binaries exactly 0 or 1; None if none was found.
+    objective : float
+        Value at x with the constant; infinite without a point, minus infinite if UNBOUNDED.
+    bound : float
+        Certified lower bound of the optimum.
+    gap : float
+        ``objective - bound``, not below 0; infinite without a point.
+    nodes, qps : int
+    seconds : float
+    message : str
+    residual : float
+        Largest absolute violation of a row or bound by x.
+    """
+
+    status: MiqpStatus
+    x: Vector | None
+    objective: float
+    bound: float
+    gap: float
+    nodes: int
+    qps: int
+    seconds: float
+    message: str
+    residual: float
+
+
+def _indices(value: ArrayLike | Sequence[int], n: int, name: str) -> Indices:
+    raw = np.asarray(value)
+    if raw.size == 0:
+        return np.zeros(0, dtype=np.intp)
+    if raw.ndim != 1 or raw.dtype.kind not in "iu":
+        raise ArgumentError(f"{name} must be a list of indices: found {raw.dtype} of shape {raw.shape}")
+    if raw.min() < 0 or raw.max() >= n:
+        raise ArgumentError(f"{name} has the index {raw[(raw < 0) | (raw >= n)][0]}: 0 to {n - 1} was expected")
+    if len(np.unique(raw)) != len(raw):
+        raise ArgumentError(f"{name} names a variable twice")
+    return raw.astype(np.intp)

@@ -1,0 +1,192 @@
+"""Answers to convex quadratic programs that are not taken on trust.
+
+A solver's "optimal" needs small residuals, its "infeasible" needs a ray of Farkas that passes the check, its
+"unbounded" needs a direction. What the first solver cannot settle goes to the other one and then to the linear
+programs of :mod:`hysdel_py.optimize.phase_one`. Whatever happens, there is a valid lower bound.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, field, replace
+from math import inf
+
+import numpy as np
+from numpy.typing import NDArray
+
+from hysdel_py.optimize.backends.protocol import QpWorkspace
+from hysdel_py.optimize.backends.registry import BACKENDS, get_backend
+from hysdel_py.optimize.certificate import Certifier, spare_curvature
+from hysdel_py.optimize.phase_one import elastic_phase_one, recession_direction
+from hysdel_py.optimize.qp import Qp, QpResult, QpSettings, QpStatus, violation
+
+__all__ = ["Verdict", "VerifiedSolver", "solve_qp"]
+
+Vector = NDArray[np.float64]
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class Verdict:
+    """What is proven about a problem.
+
+    Attributes
+    ----------
+    answer : QpResult
+        Of the solver whose word counts; INFEASIBLE and UNBOUNDED are proven, OPTIMAL has small residuals.
+    bound : float
+        Certified lower bound of the objective: infinite for a proven infeasible problem.
+    """
+
+    answer: QpResult
+    bound: float
+
+    @property
+    def infeasible(self) -> bool:
+        """Whether it is proven that there is no feasible point."""
+        return self.answer.status is QpStatus.INFEASIBLE
+
+    @property
+    def unbounded(self) -> bool:
+        """Whether it is proven that the objective has no lower bound, if there is a feasible point at all."""
+        return self.answer.status is QpStatus.UNBOUNDED
+
+    @property
+    def optimal(self) -> bool:
+        """Whether the answer has small residuals."""
+        return self.answer.status is QpStatus.OPTIMAL
+
+
+@dataclass(slots=True)
+class VerifiedSolver:
+    """A back end, its substitute and the certificates of one set of matrices.
+
+    Attributes
+    ----------
+    qp : Qp
+        The problem for which the work spaces are built; the vectors come with each call.
+    backend : str
+    settings : QpSettings
+    solves : int
+        Number of quadratic programs solved so far, by any back end.
+    """
+
+    qp: Qp
+    backend: str
+    settings: QpSettings
+    solves: int = 0
+    _spaces: dict[str, QpWorkspace] = field(default_factory=dict)
+    _certifiers: dict[bytes, Certifier] = field(default_factory=dict)
+
+    def solve(
+        self,
+        qp: Qp,
+        box: tuple[Vector, Vector] | None = None,
+        guess: tuple[Vector, Vector] | None = None,
+        enough: Callable[[Verdict], bool] | None = None,
+    ) -> Verdict:
+        """Solve and verify.
+
+        Parameters
+        ----------
+        qp : Qp
+            Matrices of the constructor, any vectors.
+        box : pair of arrays, optional
+            Implied bounds, at most as wide as those of `qp`; the certificates use them, the solver does not see them.
+        guess : pair of arrays, optional
+            x and y of a similar problem.
+        enough : callable, optional
+            Whether a verdict needs no second opinion; by default as soon as something is proven or optimal.
+        """
+        judged = qp if box is None else qp.with_vectors(lb=box[0], ub=box[1])
+        settled = enough or _settled
+        best: Verdict | None = None
+        for answer in self._opinions(qp, guess):
+            best = _better(best, self._judge(judged, answer))
+            if settled(best) or best.infeasible:
+                return best
+        return self._ask_linear_programs(judged, best or _nothing_known(qp))
+
+    def _opinions(self, qp: Qp, guess: tuple[Vector, Vector] | None) -> Iterator[QpResult]:
+        for name in (self.backend, *(other for other in BACKENDS if other != self.backend)):
+            if name not in self._spaces:
+                self._spaces[name] = get_backend(name, self.settings).workspace(self.qp)
+            self.solves += 1
+            x0, y0 = guess or (None, None)
+            yield self._spaces[name].solve(q=qp.q, l=qp.l, u=qp.u, lb=qp.lb, ub=qp.ub, x0=x0, y0=y0)
+
+    def _judge(self, qp: Qp, answer: QpResult) -> Verdict:
+        answer = replace(answer, objective=answer.objective + qp.constant - self.qp.constant)
+        if np.any(qp.lb > qp.ub):
+            return Verdict(answer, inf)
+        certifier = self._certifier(qp)
+        claims_none = answer.status is QpStatus.INFEASIBLE
+        if answer.status is not QpStatus.OPTIMAL and certifier.farkas_bound(qp, answer.y) > 0:
+            return Verdict(replace(answer, status=QpStatus.INFEASIBLE), inf)
+        if claims_none or answer.status is QpStatus.UNBOUNDED:
+            answer = replace(answer, status=QpStatus.NUMERICAL, message=f"{answer.message}, which is not proven")
+        return Verdict(answer, certifier.dual_bound(qp, answer.x, answer.y))
+
+    def _ask_linear_programs(self, qp: Qp, verdict: Verdict) -> Verdict:
+        """Last resort: a ray of the elastic problem, or a direction of descent without end."""
+        phase = elastic_phase_one(qp)
+        if phase is None:
+            return verdict
+        if self._certifier(qp).farkas_bound(qp, phase.y) > 0:
+            message = f"{verdict.answer.message}; HiGHS gave a ray that proves infeasibility"
+            return Verdict(replace(verdict.answer, status=QpStatus.INFEASIBLE, y=phase.y, message=message), inf)
+        if verdict.optimal or verdict.bound > -inf or violation(qp, phase.x) > self.settings.feasibility:
+            return verdict
+        direction = recession_direction(qp)
+        if direction is None:
+            return verdict
+        message = f"{verdict.answer.message}; HiGHS gave a direction of descent without end"
+        return Verdict(replace(verdict.answer, status=QpStatus.UNBOUNDED, x=direction, message=message), -inf)
+
+    def _certifier(self, qp: Qp) -> Certifier:
+        free = ~np.isfinite(qp.lb) | ~np.isfinite(qp.ub)
+        key = free.tobytes()
+        if key not in self._certifiers:
+            self._certifiers[key] = Certifier.of(self.qp, spare_curvature(self.qp, free))
+        return self._certifiers[key]
+
+
+def solve_qp(qp: Qp, backend: str = "piqp", settings: QpSettings | None = None) -> QpResult:
+    """Solve one quadratic program and verify the answer.
+
+    Parameters
+    ----------
+    qp : Qp
+    backend : {"piqp", "osqp"}
+        Asked first.
+    settings : QpSettings, optional
+
+    Returns
+    -------
+    QpResult
+        OPTIMAL has small residuals, INFEASIBLE and UNBOUNDED are proven; anything else is NUMERICAL or
+        ITERATION_LIMIT with a message.
+    """
+    get_backend(backend, settings)
+    return VerifiedSolver(qp, backend, settings or QpSettings()).solve(qp).answer
+
+
+def _settled(verdict: Verdict) -> bool:
+    return verdict.optimal or verdict.infeasible or verdict.unbounded
+
+
+def _better(old: Verdict | None, new: Verdict) -> Verdict:
+    """The answer that says more, with the higher of the two bounds, for both are valid."""
+    if old is None or new.infeasible:
+        return new
+    answer = old.answer if _rank(old) <= _rank(new) else new.answer
+    return Verdict(answer, max(old.bound, new.bound))
+
+
+def _rank(verdict: Verdict) -> float:
+    return verdict.answer.primal_residual if verdict.optimal else inf
+
+
+def _nothing_known(qp: Qp) -> Verdict:
+    from hysdel_py.optimize.backends.answer import failed_result
+
+    return Verdict(failed_result(qp, QpStatus.NUMERICAL, "no solver was asked"), -inf)

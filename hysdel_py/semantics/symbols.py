@@ -1,0 +1,77 @@
+"""Declared names and what they stand for."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from enum import Enum
+from typing import TYPE_CHECKING
+
+from hysdel_py.syntax.source import Span
+from hysdel_py.systems.signals import Type
+
+if TYPE_CHECKING:
+    from hysdel_py.semantics.expressions import Expression
+
+__all__ = ["EPSILON", "PI", "Role", "Symbol"]
+
+EPSILON = "MLD_epsilon"
+"""Name of the predefined parameter that separates the two sides of a threshold."""
+
+PI = "pi"
+
+
+class Role(Enum):
+    """What a declared name is; the value is the word for messages."""
+
+    STATE = "state"
+    INPUT = "input"
+    OUTPUT = "output"
+    AUX = "auxiliary variable"
+    PARAMETER = "parameter"
+
+
+@dataclass(frozen=True, slots=True)
+class Symbol:
+    """A declared name.
+
+    Attributes
+    ----------
+    name : str
+    type : Type
+    role : Role
+    span : Span
+        Of the name in its declaration; empty at 0 for a predefined parameter.
+    line : int
+        Of the declaration, 0 for a predefined parameter.
+    bounds : pair of Expression, or None
+        Declared range of a variable.
+    value : Expression or None
+        Declared value of a parameter.
+    unit, description : str
+        From the comment beside the declaration, ``/* [unit] description */``.
+    """
+
+    name: str
+    type: Type
+    role: Role
+    span: Span
+    line: int
+    bounds: tuple[Expression, Expression] | None = field(default=None, compare=False)
+    value: Expression | None = field(default=None, compare=False)
+    unit: str = ""
+    description: str = ""
+
+    @property
+    def is_real(self) -> bool:
+        """Whether the type is REAL."""
+        return self.type is Type.REAL
+
+    @property
+    def is_parameter(self) -> bool:
+        """Whether the name stands for a constant."""
+        return self.role is Role.PARAMETER
+
+    @property
+    def spoken(self) -> str:
+        """Type and role in words, as in "Boolean state"."""
+        return f"{'real' if self.is_real else 'Boolean'} {self.role.value}"

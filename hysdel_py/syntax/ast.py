@@ -1,0 +1,187 @@
+"""The syntax tree: what was written, and where.
+
+Spans do not take part in equality. Expressions can be nested thousands of levels deep, so nothing here or downstream
+walks them by recursion; use :func:`hysdel_py.syntax.traversal.fold`.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from enum import Enum
+
+from hysdel_py.syntax.operators import Op
+from hysdel_py.syntax.source import Span
+
+__all__ = [
+    "Apply", "Choice", "Declaration", "DeclarationSection", "Equation", "Expression", "Group", "Interval", "Item",
+    "ItemSection", "Name", "Number", "Requirement", "SectionKind", "System", "Triple", "Truth", "children",
+]  # fmt: skip
+
+
+class SectionKind(Enum):
+    """Sections of the language by their keyword."""
+
+    STATE = "STATE"
+    INPUT = "INPUT"
+    OUTPUT = "OUTPUT"
+    PARAMETER = "PARAMETER"
+    AUX = "AUX"
+    AD = "AD"
+    DA = "DA"
+    LOGIC = "LOGIC"
+    LINEAR = "LINEAR"
+    CONTINUOUS = "CONTINUOUS"
+    AUTOMATA = "AUTOMATA"
+    MUST = "MUST"
+
+
+@dataclass(frozen=True, slots=True)
+class Number:
+    """A numeric literal."""
+
+    value: float
+    text: str
+    span: Span = field(compare=False)
+
+
+@dataclass(frozen=True, slots=True)
+class Truth:
+    """TRUE or FALSE."""
+
+    value: bool
+    span: Span = field(compare=False)
+
+
+@dataclass(frozen=True, slots=True)
+class Name:
+    """The use of a name."""
+
+    name: str
+    span: Span = field(compare=False)
+
+
+@dataclass(frozen=True, slots=True)
+class Group:
+    """An expression in parentheses."""
+
+    inner: Expression
+    span: Span = field(compare=False)
+
+
+@dataclass(frozen=True, slots=True)
+class Apply:
+    """An operator or function applied to one or two arguments."""
+
+    op: Op
+    args: tuple[Expression, ...]
+    span: Span = field(compare=False)
+
+
+Expression = Number | Truth | Name | Group | Apply
+
+
+def children(expression: Expression) -> tuple[Expression, ...]:
+    """Direct sub-expressions."""
+    match expression:
+        case Apply(args=args):
+            return args
+        case Group(inner=inner):
+            return (inner,)
+        case _:
+            return ()
+
+
+@dataclass(frozen=True, slots=True)
+class Interval:
+    """``[low, high]`` behind a declared variable."""
+
+    low: Expression
+    high: Expression
+    span: Span = field(compare=False)
+
+
+@dataclass(frozen=True, slots=True)
+class Declaration:
+    """One declared variable or parameter.
+
+    `type` is ``"REAL"`` or ``"BOOL"``; variables may have an interval, parameters a value.
+    """
+
+    type: str
+    name: str
+    interval: Interval | None
+    value: Expression | None
+    span: Span = field(compare=False)
+    name_span: Span = field(compare=False)
+
+
+@dataclass(frozen=True, slots=True)
+class DeclarationSection:
+    """STATE, INPUT, OUTPUT or PARAMETER of the interface, or AUX of the implementation."""
+
+    kind: SectionKind
+    declarations: tuple[Declaration, ...]
+    span: Span = field(compare=False)
+
+
+@dataclass(frozen=True, slots=True)
+class Triple:
+    """``[min, max, epsilon]`` behind a threshold or a branch."""
+
+    low: Expression
+    high: Expression
+    epsilon: Expression
+    span: Span = field(compare=False)
+
+
+@dataclass(frozen=True, slots=True)
+class Equation:
+    """``target = value``; a threshold in AD may carry a triple."""
+
+    target: Name
+    value: Expression
+    triple: Triple | None
+    span: Span = field(compare=False)
+
+
+@dataclass(frozen=True, slots=True)
+class Choice:
+    """``target = {IF condition THEN then ELSE otherwise}``."""
+
+    target: Name
+    condition: Expression
+    then: Expression
+    then_triple: Triple | None
+    otherwise: Expression | None
+    otherwise_triple: Triple | None
+    span: Span = field(compare=False)
+
+
+@dataclass(frozen=True, slots=True)
+class Requirement:
+    """An item of MUST."""
+
+    value: Expression
+    span: Span = field(compare=False)
+
+
+Item = Equation | Choice | Requirement
+
+
+@dataclass(frozen=True, slots=True)
+class ItemSection:
+    """A section of the implementation with its items in file order."""
+
+    kind: SectionKind
+    items: tuple[Item, ...]
+    span: Span = field(compare=False)
+
+
+@dataclass(frozen=True, slots=True)
+class System:
+    """A whole file."""
+
+    name: str
+    declarations: tuple[DeclarationSection, ...]
+    sections: tuple[ItemSection, ...]
+    span: Span = field(compare=False)

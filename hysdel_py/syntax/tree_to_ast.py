@@ -1,0 +1,141 @@
+"""Builds the syntax tree while the parser reduces, so that no intermediate tree exists and depth does not matter."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+from lark import Token, Transformer
+
+from hysdel_py.syntax import ast
+from hysdel_py.syntax.operators import FUNCTIONS, Op
+from hysdel_py.syntax.source import Span
+
+__all__ = ["TreeToAst"]
+
+_BINARY = {
+    "OR": Op.OR, "AND": Op.AND, "IFF": Op.IFF, "IMPLIES": Op.IMPLIES, "IMPLIED_BY": Op.IMPLIED_BY, "LE": Op.LE,
+    "GE": Op.GE, "PLUS": Op.ADD, "MINUS": Op.SUBTRACT, "TIMES": Op.MULTIPLY, "OVER": Op.DIVIDE, "CARET": Op.POWER,
+}  # fmt: skip
+_UNARY = {"NOT": Op.NOT, "MINUS": Op.NEGATE}
+_FUNCTIONS = {op.value: op for op in FUNCTIONS}
+
+
+def _span(part: Any) -> Span:
+    return Span(part.start_pos, part.end_pos) if isinstance(part, Token) else part.span
+
+
+def _around(parts: list[Any]) -> Span:
+    return Span(_span(parts[0]).start, _span(parts[-1]).end)
+
+
+def _nodes(parts: list[Any]) -> list[Any]:
+    """Parts that are not punctuation or keywords."""
+    return [part for part in parts if not isinstance(part, Token)]
+
+
+def _name(token: Token) -> ast.Name:
+    return ast.Name(str(token), _span(token))
+
+
+@dataclass(frozen=True, slots=True)
+class _Parts:
+    """What a rule hands to the rule around it when that is not a node of the syntax tree."""
+
+    fields: tuple[Any, ...]
+    span: Span
+
+
+class TreeToAst(Transformer[Token, Any]):
+    """One method per rule of the grammar; each gets all tokens of its rule."""
+
+    def file(self, parts: list[Any]) -> ast.System | None:
+        return parts[0] if parts else None
+
+    def system(self, parts: list[Any]) -> ast.System:
+        interface, implementation = _nodes(parts)
+        auxiliaries = tuple(s for s in implementation.fields if isinstance(s, ast.DeclarationSection))
+        sections = tuple(s for s in implementation.fields if isinstance(s, ast.ItemSection))
+        return ast.System(str(parts[1]), interface.fields + auxiliaries, sections, _around(parts))
+
+    def interface(self, parts: list[Any]) -> _Parts:
+        return _Parts(tuple(_nodes(parts)), _around(parts))
+
+    implementation = interface
+
+    def declarations(self, parts: list[Any]) -> ast.DeclarationSection:
+        lines = _nodes(parts)
+        declared = tuple(declaration for line in lines for declaration in line.fields)
+        return ast.DeclarationSection(ast.SectionKind(str(parts[0])), declared, _around(parts))
+
+    def variables(self, parts: list[Any]) -> _Parts:
+        kind, *declared = _nodes(parts)
+        return _Parts(tuple(ast.Declaration(kind.name, *d.fields) for d in declared), _around(parts))
+
+    parameters = variables
+
+    def variable(self, parts: list[Any]) -> _Parts:
+        interval = parts[1] if len(parts) > 1 else None
+        return _Parts((str(parts[0]), interval, None, _around(parts), _span(parts[0])), _around(parts))
+
+    def parameter(self, parts: list[Any]) -> _Parts:
+        value = parts[2] if len(parts) > 1 else None
+        return _Parts((str(parts[0]), None, value, _around(parts), _span(parts[0])), _around(parts))
+
+    def interval(self, parts: list[Any]) -> ast.Interval:
+        low, high = _nodes(parts)
+        return ast.Interval(low, high, _around(parts))
+
+    def type(self, parts: list[Any]) -> ast.Name:
+        return _name(parts[0])
+
+    def section(self, parts: list[Any]) -> ast.ItemSection:
+        return ast.ItemSection(ast.SectionKind(str(parts[0])), tuple(_nodes(parts)), _around(parts))
+
+    def equation(self, parts: list[Any]) -> ast.Equation:
+        value, *triple = _nodes(parts)
+        return ast.Equation(_name(parts[0]), value, triple[0] if triple else None, _around(parts))
+
+    def choice(self, parts: list[Any]) -> ast.Choice:
+        condition, then, *rest = _nodes(parts)
+        then_triple = rest.pop(0) if rest and isinstance(rest[0], ast.Triple) else None
+        otherwise, otherwise_triple = rest[0].fields if rest else (None, None)
+        return ast.Choice(
+            _name(parts[0]), condition, then, then_triple, otherwise, otherwise_triple, _around(parts)
+        )
+
+    def otherwise(self, parts: list[Any]) -> _Parts:
+        value, *triple = _nodes(parts)
+        return _Parts((value, triple[0] if triple else None), _around(parts))
+
+    def requirement(self, parts: list[Any]) -> ast.Requirement:
+        return ast.Requirement(parts[0], _around(parts))
+
+    def triple(self, parts: list[Any]) -> ast.Triple:
+        low, high, epsilon = _nodes(parts)
+        return ast.Triple(low, high, epsilon, _around(parts))
+
+    def binary(self, parts: list[Any]) -> ast.Apply:
+        left, operator, right = parts
+        return ast.Apply(_BINARY[operator.type], (left, right), _around(parts))
+
+    def unary(self, parts: list[Any]) -> ast.Apply:
+        return ast.Apply(_UNARY[parts[0].type], (parts[1],), _around(parts))
+
+    def number(self, parts: list[Any]) -> ast.Number:
+        return ast.Number(float(parts[0]), str(parts[0]), _span(parts[0]))
+
+    def name(self, parts: list[Any]) -> ast.Name:
+        return _name(parts[0])
+
+    def truth(self, parts: list[Any]) -> ast.Truth:
+        return ast.Truth(str(parts[0]) == "TRUE", _span(parts[0]))
+
+    def call(self, parts: list[Any]) -> ast.Apply:
+        return ast.Apply(_FUNCTIONS[str(parts[0])], (parts[2],), _around(parts))
+
+    def cast(self, parts: list[Any]) -> ast.Apply:
+        return ast.Apply(Op.CAST, (parts[2],), _around(parts))
+
+    def group(self, parts: list[Any]) -> ast.Group:
+        return ast.Group(parts[1], _around(parts))

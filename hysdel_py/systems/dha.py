@@ -1,0 +1,297 @@
+"""The discrete hybrid automaton: thresholds, logic, switches and affine equations, with an executable step.
+
+A Dha joins a switched affine system (the switches and affine equations), an event generator (the events), a finite
+state machine (the Boolean updates) and a mode selector (the logic equations), after Torrisi and Bemporad, "HYSDEL - a
+tool for generating computational hybrid models", IEEE Trans. Control Systems Technology 12, 2004. Its `step` is the
+meaning of a model: no big-M constant and no epsilon takes part in it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
+from functools import cached_property
+from graphlib import CycleError, TopologicalSorter
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from hysdel_py.errors import SimulationError
+from hysdel_py.systems.affine import Affine
+from hysdel_py.systems.formula import Formula, Literal
+from hysdel_py.systems.origin import Origin
+from hysdel_py.systems.signals import Variable, as_vector, range_violations
+from hysdel_py.tolerances import DEFAULT_TOLERANCES, Tolerances
+
+if TYPE_CHECKING:
+    from hysdel_py.systems.trajectory import Trajectory
+
+__all__ = [
+    "AffineEquation", "AffineRequirement", "Dha", "DhaItem", "Event", "LogicEquation", "LogicRequirement", "Switch",
+]  # fmt: skip
+
+Vector = NDArray[np.float64]
+Interval = tuple[float, float]
+
+
+@dataclass(frozen=True, slots=True)
+class Event:
+    """``name`` is true exactly where ``form <= 0``.
+
+    `limits` is the stated range of the form, if any; `epsilon` is the gap that the MLD form leaves on its false side.
+    """
+
+    name: str
+    form: Affine
+    limits: Interval | None
+    epsilon: float
+    origin: Origin
+
+
+@dataclass(frozen=True, slots=True)
+class Switch:
+    """``name`` is `then` where the condition holds and `otherwise` elsewhere; the limits are stated ranges, if any."""
+
+    name: str
+    condition: Literal
+    then: Affine
+    otherwise: Affine
+    then_limits: Interval | None
+    otherwise_limits: Interval | None
+    origin: Origin
+
+
+@dataclass(frozen=True, slots=True)
+class AffineEquation:
+    """``name = value``; `item` is ``Linear``, ``Continuous`` or ``Cont_output``."""
+
+    item: str
+    name: str
+    value: Affine
+    origin: Origin
+
+
+@dataclass(frozen=True, slots=True)
+class LogicEquation:
+    """``name <-> value``; `item` is ``Logic``, ``Automata`` or ``Logic_output``."""
+
+    item: str
+    name: str
+    value: Formula
+    origin: Origin
+
+
+@dataclass(frozen=True, slots=True)
+class AffineRequirement:
+    """``value <= 0`` has to hold."""
+
+    value: Affine
+    origin: Origin
+
+
+@dataclass(frozen=True, slots=True)
+class LogicRequirement:
+    """`value` has to be true."""
+
+    value: Formula
+    origin: Origin
+
+
+Definition = Event | Switch | AffineEquation | LogicEquation
+DhaItem = Definition | AffineRequirement | LogicRequirement
+
+
+@dataclass(frozen=True, eq=False)
+class Dha:
+    """A discrete hybrid automaton.
+
+    Attributes
+    ----------
+    name : str
+    x, u, y, d, z : tuple of Variable
+        Reals before Booleans in x, u and y; declared before generated ones in d and z.
+    items : tuple of DhaItem
+        Items in file order, then the generated definitions in the order of their creation.
+    source : str
+        Name of the source file.
+    """
+
+    name: str
+    x: tuple[Variable, ...]
+    u: tuple[Variable, ...]
+    y: tuple[Variable, ...]
+    d: tuple[Variable, ...]
+    z: tuple[Variable, ...]
+    items: tuple[DhaItem, ...]
+    source: str = ""
+    tolerances: Tolerances = field(default=DEFAULT_TOLERANCES)
+
+    @cached_property
+    def definitions(self) -> Mapping[str, Definition]:
+        """What defines each auxiliary variable, updated state and output."""
+        return {item.name: item for item in self.items if not isinstance(item, AffineRequirement | LogicRequirement)}
+
+    @cached_property
+    def requirements(self) -> tuple[AffineRequirement | LogicRequirement, ...]:
+        """What has to hold in every step."""
+        return tuple(item for item in self.items if isinstance(item, AffineRequirement | LogicRequirement))
+
+    @cached_property
+    def _auxiliary_order(self) -> tuple[str, ...] | str:
+        """Auxiliaries such that each comes after all it depends on, or a sentence why there is no such order."""
+        auxiliaries = {v.name for v in (*self.d, *self.z)}
+        graph = {
+            name: [n for n in _depends(self.definitions[name]) if n in auxiliaries]
+            for name in auxiliaries
+            if name in self.definitions
+        }
+        order = TopologicalSorter({name: graph.get(name, []) for name in (v.name for v in (*self.d, *self.z))})
+        try:
+            return tuple(order.static_order())
+        except CycleError as error:
+            return self._loop_message(list(reversed(error.args[1])))
+
+    def _loop_message(self, circle: list[str]) -> str:
+        places = "; ".join(str(self.definitions[name].origin) for name in circle[:-1])
+        return f"algebraic loop {' -> '.join(circle)}: a step is not defined by evaluating one item after the other ({places})"
+
+    def step(
+        self, x: ArrayLike | Mapping[str, float], u: ArrayLike | Mapping[str, float] = (), *, check: bool = True
+    ) -> tuple[Vector, Vector, Vector, Vector]:
+        """One step of the system.
+
+        Parameters
+        ----------
+        x : array_like of shape (nx,) or mapping
+            State; Booleans are 0 or 1.
+        u : array_like of shape (nu,) or mapping
+            Input.
+        check : bool
+            Whether values outside their ranges and violated requirements are errors.
+
+        Returns
+        -------
+        x1, y, d, z : arrays
+            Next state, output and auxiliaries.
+
+        Raises
+        ------
+        ArgumentError
+            Wrong dimension, name, type or a value that is not finite.
+        SimulationError
+            Out of range, requirement violated, auxiliary undefined or in an algebraic loop; names every fault.
+        """
+        state, control = as_vector(x, self.x, "state"), as_vector(u, self.u, "input")
+        values = self._auxiliaries(state, control)
+        d, z = _gather(values, self.d), _gather(values, self.z)
+        if check:
+            problems = self._problems(state, control, z, values)
+            if problems:
+                raise SimulationError(problems)
+        x1 = np.array([self._equation_value(v.name, values) for v in self.x])
+        y = np.array([self._equation_value(v.name, values) for v in self.y])
+        return x1, y, d, z
+
+    def _auxiliaries(self, x: Vector, u: Vector) -> dict[str, float]:
+        """Values of all variables that the step reads."""
+        order = self._auxiliary_order
+        if isinstance(order, str):
+            raise SimulationError((order,))
+        values = {v.name: float(value) for v, value in zip((*self.x, *self.u), (*x, *u), strict=True)}
+        for name in order:
+            definition = self.definitions.get(name)
+            values[name] = 0.0 if definition is None else _evaluate(definition, values)
+        if self._undefined_but_used:
+            raise SimulationError(
+                tuple(f"the auxiliary variable {name} is used but never defined" for name in self._undefined_but_used)
+            )
+        return values
+
+    @cached_property
+    def _undefined_but_used(self) -> tuple[str, ...]:
+        used = {name for item in self.items for name in _depends(item)}
+        return tuple(v.name for v in (*self.d, *self.z) if v.name in used and v.name not in self.definitions)
+
+    def _equation_value(self, name: str, values: Mapping[str, float]) -> float:
+        """Value of an update or output; one that is never defined is zero, as in the MLD form."""
+        definition = self.definitions.get(name)
+        return 0.0 if definition is None else _evaluate(definition, values)
+
+    def _problems(self, x: Vector, u: Vector, z: Vector, values: Mapping[str, float]) -> tuple[str, ...]:
+        tolerance = self.tolerances.range
+        return (
+            *range_violations(x, self.x, "state", tolerance),
+            *range_violations(u, self.u, "input", tolerance),
+            *range_violations(z, self.z, "auxiliary", tolerance),
+            *self._limit_problems(values),
+            *(f"MUST is violated in {r.origin}" for r in self.requirements if not self._holds(r, values)),
+        )
+
+    def _holds(self, requirement: AffineRequirement | LogicRequirement, values: Mapping[str, float]) -> bool:
+        if isinstance(requirement, LogicRequirement):
+            return requirement.value.value(values)
+        size = max([1.0, abs(requirement.value.constant), *(abs(c * values[n]) for n, c in requirement.value.terms)])
+        return requirement.value.value(values) <= self.tolerances.row * size
+
+    def _limit_problems(self, values: Mapping[str, float]) -> tuple[str, ...]:
+        """Stated [min, max] that an expression leaves: the MLD form would be wrong there."""
+        problems = []
+        for form, limits, origin in _stated_limits(self.items):
+            value = form.value(values)
+            slack = self.tolerances.range * max(1.0, abs(value))
+            if not limits[0] - slack <= value <= limits[1] + slack:
+                problems.append(f"{form} = {value:.9g} leaves its stated range [{limits[0]:g}, {limits[1]:g}] in {origin}")
+        return tuple(problems)
+
+    def simulate(
+        self, x0: ArrayLike | Mapping[str, float], inputs: ArrayLike, *, ts: float = 1.0, check: bool = True
+    ) -> Trajectory:
+        """Run from a state under a sequence of inputs; see :func:`hysdel_py.systems.simulation.simulate`."""
+        from hysdel_py.systems.simulation import simulate
+
+        return simulate(self, x0, inputs, ts=ts, check=check)
+
+
+def _depends(item: DhaItem) -> tuple[str, ...]:
+    match item:
+        case Event(form=form):
+            return tuple(name for name, _ in form.terms)
+        case Switch(condition=condition, then=then, otherwise=otherwise):
+            return (condition.name, *(name for name, _ in (*then.terms, *otherwise.terms)))
+        case AffineEquation(value=form) | AffineRequirement(value=form):
+            return tuple(name for name, _ in form.terms)
+        case LogicEquation(value=formula) | LogicRequirement(value=formula):
+            return formula.names
+
+
+def _evaluate(definition: Definition, values: Mapping[str, float]) -> float:
+    match definition:
+        case Event(form=form):
+            return float(form.value(values) <= 0.0)
+        case Switch(condition=condition, then=then, otherwise=otherwise):
+            holds = (values[condition.name] > 0.5) == condition.positive
+            return (then if holds else otherwise).value(values)
+        case AffineEquation(value=value):
+            return value.value(values)
+        case LogicEquation(value=formula):
+            return float(formula.value(values))
+
+
+def _stated_limits(items: tuple[DhaItem, ...]) -> list[tuple[Affine, Interval, Origin]]:
+    stated = []
+    for item in items:
+        if isinstance(item, Event) and item.limits is not None:
+            stated.append((item.form, item.limits, item.origin))
+        elif isinstance(item, Switch):
+            for form, limits in ((item.then, item.then_limits), (item.otherwise, item.otherwise_limits)):
+                if limits is not None:
+                    stated.append((form, limits, item.origin))
+    return stated
+
+
+def _gather(values: Mapping[str, float], variables: tuple[Variable, ...]) -> Vector:
+    return np.array([values[v.name] for v in variables], dtype=float)
+
+
+Step = Callable[..., tuple[Vector, Vector, Vector, Vector]]

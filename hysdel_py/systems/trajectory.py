@@ -1,0 +1,125 @@
+"""A simulated or predicted run of a sampled system."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from hysdel_py.errors import ArgumentError
+from hysdel_py.systems.signals import Variable
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+    from pandas import DataFrame
+
+__all__ = ["Trajectory"]
+
+Matrix = NDArray[np.float64]
+
+
+@dataclass(frozen=True, eq=False)
+class Trajectory:
+    """N steps of a system: N+1 states and N inputs, outputs and auxiliaries.
+
+    Attributes
+    ----------
+    t : array of shape (N+1,)
+        Times in units of the sample time, or in seconds where one was given.
+    x : array of shape (N+1, nx)
+    u, y, d, z : arrays of shape (N, n)
+        ``y[k]``, ``d[k]`` and ``z[k]`` belong to ``x[k]`` and ``u[k]``.
+    variables : mapping of "x", "u", "y", "d", "z" to tuples of Variable
+    modes : tuple of str
+        One word of zeros and ones per step: the values of d.
+    messages : tuple of str
+        What a reader should know about the run, empty when there is nothing to say.
+    info : mapping
+        Signals that the controller or the simulator added, each an array of length N.
+    """
+
+    t: Matrix
+    x: Matrix
+    u: Matrix
+    y: Matrix
+    d: Matrix
+    z: Matrix
+    variables: Mapping[str, tuple[Variable, ...]]
+    messages: tuple[str, ...] = ()
+    info: Mapping[str, Matrix] = field(default_factory=dict)
+
+    @property
+    def steps(self) -> int:
+        """Number N of steps."""
+        return len(self.u)
+
+    @property
+    def names(self) -> dict[str, tuple[str, ...]]:
+        """Names of the columns of each array."""
+        return {key: tuple(v.name for v in group) for key, group in self.variables.items()}
+
+    @property
+    def modes(self) -> tuple[str, ...]:
+        """The binary word of each step."""
+        return tuple("".join("1" if bit > 0.5 else "0" for bit in row) for row in self.d)
+
+    def __getitem__(self, name: str) -> Matrix:
+        """Column of one variable by name.
+
+        A name that stands for a state and an output gives the state, which has one sample more.
+        """
+        for key, group in self.variables.items():
+            for column, variable in enumerate(group):
+                if variable.name == name:
+                    values: Matrix = getattr(self, key)[:, column]
+                    return values
+        if name in self.info:
+            return self.info[name]
+        raise ArgumentError(f"the trajectory has no signal {name}: it has {', '.join(self._all_names())}")
+
+    def _all_names(self) -> Iterator[str]:
+        for group in self.variables.values():
+            yield from (variable.name for variable in group)
+        yield from self.info
+
+    def columns(self) -> dict[str, Matrix]:
+        """All signals by name, cut to the N steps; a name used twice gets its vector's letter, as in ``x.level``."""
+        groups = [(key, v.name, getattr(self, key)[: self.steps, i])
+                  for key, group in self.variables.items() for i, v in enumerate(group)]
+        names = [name for _, name, _ in groups]
+        table = {"t": self.t[: self.steps]}
+        for key, name, values in groups:
+            table[name if names.count(name) == 1 and name != "t" else f"{key}.{name}"] = values
+        return {**table, **self.info}
+
+    def to_dict(self) -> dict[str, Any]:
+        """Plain lists, ready for JSON."""
+        return {
+            "names": {key: list(value) for key, value in self.names.items()},
+            **{key: getattr(self, key).tolist() for key in ("t", "x", "u", "y", "d", "z")},
+            "info": {key: np.asarray(value).tolist() for key, value in self.info.items()},
+            "messages": list(self.messages),
+        }
+
+    def to_csv(self) -> str:
+        """Table with one line per step and the names in the first line."""
+        columns = self.columns()
+        lines = [",".join(columns)]
+        lines += [",".join(f"{value:.12g}" for value in row) for row in zip(*columns.values(), strict=True)]
+        return "\n".join(lines) + "\n"
+
+    def to_pandas(self) -> DataFrame:
+        """Table with one row per step as a pandas DataFrame (pandas has to be installed)."""
+        import pandas as pd  # type: ignore[import-untyped,unused-ignore]
+
+        columns = self.columns()
+        return pd.DataFrame(columns).set_index("t")
+
+    def plot(self, *names: str) -> Figure:
+        """Draw the named signals, all states, inputs and outputs by default (matplotlib has to be installed)."""
+        from hysdel_py.plotting.trajectory import plot_trajectory
+
+        return plot_trajectory(self, names)
