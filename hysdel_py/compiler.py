@@ -66,8 +66,8 @@ def lower_to_dha(
     return dha, sink.diagnostics
 
 
-def lower_to_mld(model: TypedModel, dha: Dha, big_m: BigM) -> Mld:
-    """Lower to the MLD form.
+def lower_to_mld(model: TypedModel, dha: Dha, big_m: BigM) -> tuple[Mld, tuple[Diagnostic, ...]]:
+    """Lower to the MLD form; warnings come with it.
 
     Raises
     ------
@@ -77,7 +77,7 @@ def lower_to_mld(model: TypedModel, dha: Dha, big_m: BigM) -> Mld:
     mld = to_mld(dha, big_m, sink)
     sink.raise_errors(model.source)
     assert mld is not None  # a failed lowering has reported an error
-    return mld
+    return mld, sink.diagnostics
 
 
 def _require_parameters(model: TypedModel, values: Mapping[str, float], sink: Sink) -> None:
@@ -92,4 +92,3 @@ def _require_parameters(model: TypedModel, values: Mapping[str, float], sink: Si
             help=f"give it in the file, by keyword ({names[0]}=...) or by --param {names[0]}=VALUE",
         )
         sink.raise_errors(model.source)
-

@@ -7,7 +7,7 @@ is never an exception: it is a status of the result.
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from hysdel_py.diagnostics.diagnostic import Diagnostic
@@ -44,8 +44,13 @@ class CompileError(HysdelError):
     ----------
     diagnostics : tuple of Diagnostic
         Errors first to last in the order of the source, with any warnings among them.
+    data : tuple of dict
+        The same as plain data, with file, line and column.
     """
 
-    def __init__(self, diagnostics: tuple[Diagnostic, ...], rendered: str) -> None:
+    def __init__(
+        self, diagnostics: tuple[Diagnostic, ...], rendered: str, data: tuple[dict[str, Any], ...] = ()
+    ) -> None:
         super().__init__(rendered)
         self.diagnostics = diagnostics
+        self.data = data

@@ -39,9 +39,7 @@ class Model:
         Warnings and notes.
     """
 
-    def __init__(
-        self, typed: TypedModel, parameters: Mapping[str, float], diagnostics: tuple[Diagnostic, ...]
-    ) -> None:
+    def __init__(self, typed: TypedModel, parameters: Mapping[str, float], diagnostics: tuple[Diagnostic, ...]) -> None:
         self.typed = typed
         self.parameters = dict(parameters)
         self._diagnostics = diagnostics
@@ -58,8 +56,9 @@ class Model:
     @property
     def diagnostics(self) -> tuple[Diagnostic, ...]:
         """Warnings and notes of the stages that have run."""
-        lowered = self.__dict__.get("_lowered")
-        return self._diagnostics + (lowered[1] if lowered else ())
+        stages = (self.__dict__.get(name) for name in ("_lowered", "_lowered_to_mld"))
+        found = [*self._diagnostics, *(d for stage in stages if stage for d in stage[1])]
+        return tuple(dict.fromkeys(found))
 
     @property
     def dha(self) -> Dha:
@@ -67,9 +66,13 @@ class Model:
         return self._lowered[0]
 
     @cached_property
+    def _lowered_to_mld(self) -> tuple[Mld, tuple[Diagnostic, ...]]:
+        return compiler.lower_to_mld(self.typed, self.dha, BigM.INTERVAL)
+
+    @property
     def mld(self) -> Mld:
         """The mixed logical dynamical form with the default options."""
-        return compiler.lower_to_mld(self.typed, self.dha, BigM.INTERVAL)
+        return self._lowered_to_mld[0]
 
     def simulate(
         self, x0: ArrayLike | Mapping[str, float], inputs: ArrayLike, *, ts: float | None = None, check: bool = True
@@ -150,7 +153,7 @@ def to_mld(model: Model, *, big_m: str = "interval", constants: str = "affine") 
         Constant terms of updates and outputs go to B5 and D5, to auxiliaries, or are errors.
     """
     rule = _option(BigM, big_m, "big_m")
-    return compiler.lower_to_mld(model.typed, to_dha(model, constants=constants), rule)
+    return compiler.lower_to_mld(model.typed, to_dha(model, constants=constants), rule)[0]
 
 
 def _option(enum: type[_E], value: str, name: str) -> _E:

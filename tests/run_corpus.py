@@ -45,6 +45,7 @@ def check_pair(path: Path) -> str:
     compare_sizes(mld, expected)
     compare_matrices(mld, expected)
     compare_rows(mld, expected)
+    compare_bounds(mld, expected.get("bounds") or {})
     samples = compare_samples(dha, mld, expected)
     return f"{mld.ne} rows, {samples} samples"
 
@@ -87,10 +88,20 @@ def compare_rows(mld: hys.Mld, expected: dict[str, Any]) -> None:
 
 
 def compare_line(ours: Any, theirs: dict[str, Any]) -> None:
-    """Source lines agree, except that the original gives the line before for an item that starts with an operator or parenthesis."""
+    """Source lines agree; for an item that starts with an operator or parenthesis the original is one line off."""
     line = theirs.get("line")
     if line is not None and ours.text[:1].isalnum():
         assert line == ours.line, f"a row of line {ours.line} ({ours.text}) is of line {line} in the original"
+
+
+def compare_bounds(mld: hys.Mld, expected: dict[str, Any]) -> None:
+    """Ranges of variables where the original states one; for auxiliaries it does so only where it needed them."""
+    for letter, variables in (("x", mld.x), ("u", mld.u), ("d", mld.d), ("z", mld.z)):
+        for end, attribute in (("l", "low"), ("u", "high")):
+            for index, theirs in expected.get(letter + end, {}).items():
+                ours = getattr(variables[int(index) - 1], attribute)
+                wrong = f"{letter}{end}[{index}] is {ours}, expected {theirs}"
+                assert np.isclose(ours, theirs, rtol=TOLERANCE, atol=TOLERANCE), wrong
 
 
 def as_array(rows: Any, shape: tuple[int, ...]) -> np.ndarray:
@@ -100,7 +111,6 @@ def as_array(rows: Any, shape: tuple[int, ...]) -> np.ndarray:
         assert array.size == 0, f"{array.tolist()} was expected to be empty"
         return np.zeros(shape)
     return array.reshape(shape)
-
 
 
 def compare_samples(dha: hys.Dha, mld: hys.Mld, expected: dict[str, Any]) -> int:

@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-from math import inf
-
 import numpy as np
 from numpy.typing import NDArray
 
 from hysdel_py.control.layout import Layout
 from hysdel_py.control.limits import Band, ResolvedLimits
 from hysdel_py.systems.mld import Mld
+from hysdel_py.systems.signals import Variable
 
 __all__ = ["branching_variables", "real_inputs", "variable_bounds"]
 
@@ -19,17 +18,58 @@ Indices = NDArray[np.intp]
 
 def variable_bounds(layout: Layout, limits: ResolvedLimits) -> tuple[Matrix, Matrix]:
     """Return the lower and upper bounds: declared ranges within hard limits, 0 and 1 for Boolean variables."""
-    low = np.array([0.0 if v.is_bool else v.low for v in layout.stage_variables])
-    high = np.array([1.0 if v.is_bool else v.high for v in layout.stage_variables])
-    slacks = len(layout.slacks)
-    lb = np.concatenate([np.tile(low, layout.horizon), np.zeros(slacks)])
-    ub = np.concatenate([np.tile(high, layout.horizon), np.full(slacks, inf)])
+    low, high = _ends(layout.stage_variables)
+    lb = np.concatenate([np.tile(low, layout.horizon), np.zeros(len(layout.slacks))])
+    ub = np.concatenate([np.tile(high, layout.horizon), _largest_slacks(layout.mld, limits)])
     for band in limits.bands:
         if band.group != "y" and limits.slack_of(band) is None:
             where = _places(layout, band)
             lb[where] = np.maximum(lb[where], band.low)
             ub[where] = np.minimum(ub[where], band.high)
     return lb, ub
+
+
+def _largest_slacks(mld: Mld, limits: ResolvedLimits) -> Matrix:
+    """By how much the declared ranges let each softened limit be exceeded; no plan needs a larger slack.
+
+    Finite bounds of the slacks let the branch and bound certify its bounds.
+    """
+    x = _ends(mld.x)
+    signals = {"x": x, "terminal": x, "y": _output_ends(mld)}
+    largest = np.zeros(len(limits.slacks))
+    for band in limits.bands:
+        slack = limits.slack_of(band)
+        if slack is not None:
+            low, high = (ends[band.column] for ends in signals[band.group])
+            largest[slack] = max(largest[slack], band.low - low, high - band.high)
+    if limits.polytope is not None and limits.polytope_slack is not None:
+        excess = _interval_product(limits.polytope.S, x)[1] - limits.polytope.T
+        largest[limits.polytope_slack] = max(0.0, excess.max(initial=0.0))
+    return largest
+
+
+def _ends(variables: tuple[Variable, ...]) -> tuple[Matrix, Matrix]:
+    """Lower and upper ends of the declared ranges."""
+    low = np.array([0.0 if v.is_bool else v.low for v in variables], dtype=float)
+    high = np.array([1.0 if v.is_bool else v.high for v in variables], dtype=float)
+    return low, high
+
+
+def _output_ends(mld: Mld) -> tuple[Matrix, Matrix]:
+    low, high = _ends((*mld.x, *mld.u, *mld.d, *mld.z))
+    below, above = _interval_product(np.hstack([mld.C, mld.D1, mld.D2, mld.D3]), (low, high))
+    return below + mld.D5, above + mld.D5
+
+
+def _interval_product(matrix: Matrix, ends: tuple[Matrix, Matrix]) -> tuple[Matrix, Matrix]:
+    """Smallest and largest values of ``matrix v`` for v between the ends; a zero entry cancels an infinite end."""
+    low, high = ends
+    with np.errstate(invalid="ignore"):
+        one, other = matrix * low, matrix * high
+    one, other = (np.where(matrix == 0, 0.0, product) for product in (one, other))
+    below: Matrix = np.minimum(one, other).sum(axis=1)
+    above: Matrix = np.maximum(one, other).sum(axis=1)
+    return below, above
 
 
 def _places(layout: Layout, band: Band) -> list[int]:

@@ -62,7 +62,7 @@ class HybridMpc:
         Seconds per answer.
     node_limit : int, optional
         Nodes of the branch and bound per answer.
-    gap_rel, gap_abs : float, optional
+    gap_rel, gap_abs : float
         A plan is optimal when its cost exceeds the bound by no more than the larger of `gap_abs` and `gap_rel` times
         the cost.
     progress : callable, optional
@@ -93,8 +93,8 @@ class HybridMpc:
         backend: str = "piqp",
         time_limit: float | None = None,
         node_limit: int | None = None,
-        gap_rel: float | None = None,
-        gap_abs: float | None = None,
+        gap_rel: float = 1e-4,
+        gap_abs: float = 1e-5,
         progress: Callable[..., Any] | None = None,
         tolerances: ControlTolerances = DEFAULT_CONTROL_TOLERANCES,
     ) -> None:
@@ -202,7 +202,7 @@ def _checked(value: Any, kind: type[T], what: str) -> T:
 
 
 def _settings(
-    backend: str, time_limit: float | None, node_limit: int | None, gap_rel: float | None, gap_abs: float | None
+    backend: str, time_limit: float | None, node_limit: int | None, gap_rel: float, gap_abs: float
 ) -> MiqpSettings:
     from hysdel_py.optimize.miqp import MiqpSettings
 

@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from hysdel_py.errors import ArgumentError
 
-__all__ = ["Reference", "References"]
+__all__ = ["Reference", "References", "choose_references"]
 
 Matrix = NDArray[np.float64]
 Reference: TypeAlias = Mapping[str, ArrayLike] | ArrayLike | None

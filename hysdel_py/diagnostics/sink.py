@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from hysdel_py.diagnostics.codes import Code
 from hysdel_py.diagnostics.diagnostic import Diagnostic, Label, Severity
-from hysdel_py.diagnostics.render import render
+from hysdel_py.diagnostics.render import as_data, render
 from hysdel_py.errors import CompileError
 from hysdel_py.syntax.source import Source, Span
 
@@ -47,4 +47,5 @@ class Sink:
         """Raise everything so far as one CompileError if there is an error among it."""
         if self.failed:
             shown = tuple(d for d in self.diagnostics if d.severity is not Severity.NOTE)
-            raise CompileError(shown, "\n".join(render(d, source) for d in shown))
+            rendered = "\n".join(render(d, source) for d in shown)
+            raise CompileError(shown, rendered, tuple(as_data(d, source) for d in shown))

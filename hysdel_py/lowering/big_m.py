@@ -37,6 +37,7 @@ class Ranges:
     def __init__(self, dha: Dha, sink: Sink) -> None:
         self._definitions = dha.definitions
         self._sink = sink
+        self._tolerance = dha.tolerances.range
         self._known: dict[str, Interval] = {
             v.name: (v.low, v.high)
             for v in (*dha.x, *dha.u, *dha.d, *dha.z)
@@ -46,6 +47,7 @@ class Ranges:
     def of(self, form: Affine, limits: Interval | None, origin: Origin) -> Interval:
         """Range of a form, or the stated limits; unknown ranges are errors at `origin`."""
         if limits is not None:
+            self._warn_of_loose(form, limits, origin)
             return limits
         for name, coefficient in form.terms:
             if coefficient and not self._settle(name, origin):
@@ -56,6 +58,19 @@ class Ranges:
             self._report(Code.NO_BOUNDS, f"the range of {', '.join(infinite)} is not finite", origin, infinite[-1:])
             return (0.0, 0.0)
         return low, high
+
+    def _warn_of_loose(self, form: Affine, limits: Interval, origin: Origin) -> None:
+        if not all(self._settle(name, None) for name, coefficient in form.terms if coefficient):
+            return
+        low, high = form.range(self._known.__getitem__)
+        slack = self._tolerance * max(1.0, abs(low), abs(high))
+        if limits[0] < low - slack or limits[1] > high + slack:
+            self._sink.warning(
+                Code.LOOSE_TRIPLE,
+                f"the stated range [{limits[0]:g}, {limits[1]:g}] is wider than [{low:g}, {high:g}], the range of {form}",
+                Span(origin.start, origin.end),
+                help="tighter ranges give tighter relaxations; without [min, max, epsilon] they are computed",
+            )
 
     def of_variable(self, name: str) -> Interval:
         """Range of a variable if it can be known, else infinite; never an error."""
@@ -98,7 +113,9 @@ class Ranges:
     def _from_definition(self, definition: Definition | None) -> Interval:
         if not isinstance(definition, AffineEquation | Switch):
             return _UNKNOWN
-        ends = [form.range(self._known.__getitem__) if limits is None else limits for form, limits in _forms(definition)]
+        ends = [
+            form.range(self._known.__getitem__) if limits is None else limits for form, limits in _forms(definition)
+        ]
         return min(low for low, _ in ends), max(high for _, high in ends)
 
     def _report(self, code: Code, fact: str, origin: Origin | None, names: list[str]) -> None:

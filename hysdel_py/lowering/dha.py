@@ -1,8 +1,8 @@
 """TypedModel to Dha.
 
-Input: a TypedModel and values for its parameters. Output: a Dha whose conditions are literals and whose affine forms are
-over variables only; every compound condition and compound cast got a Boolean of its own. Preserved: the order of items,
-and for each item its place in the source.
+Input: a TypedModel and values for its parameters. Output: a Dha whose conditions are literals and whose affine forms
+are over variables only; every compound condition and compound cast got a Boolean of its own. Preserved: the order of
+items, and for each item its place in the source.
 """
 
 from __future__ import annotations
@@ -67,7 +67,7 @@ def to_dha(model: TypedModel, values: Mapping[str, float], constants: Constants,
     auxiliaries = model.select(Role.AUX)
     d = tuple(_variable(s, Kind.BOOLEAN_AUX, expressions, sink) for s in auxiliaries if not s.is_real)
     z = tuple(_variable(s, Kind.REAL_AUX, expressions, sink) for s in auxiliaries if s.is_real)
-    return Dha(
+    dha = Dha(
         model.name,
         vector(Role.STATE, Kind.STATE),
         vector(Role.INPUT, Kind.INPUT),
@@ -77,6 +77,20 @@ def to_dha(model: TypedModel, values: Mapping[str, float], constants: Constants,
         items + tuple(lowering.generated_items),
         model.source.name,
     )
+    _warn_of_loop(dha, sink)
+    return dha
+
+
+def _warn_of_loop(dha: Dha, sink: Sink) -> None:
+    loop = dha.algebraic_loop
+    if loop:
+        first = dha.definitions[loop[0]].origin
+        sink.warning(
+            Code.ALGEBRAIC_LOOP,
+            f"algebraic loop {' -> '.join(loop)}: the MLD form may have several solutions or none, the Dha has no step",
+            Span(first.start, first.end),
+            help="break the loop by a state",
+        )
 
 
 def _variable(symbol: Symbol, kind: Kind, expressions: ExpressionLowering, sink: Sink) -> Variable:
@@ -123,6 +137,7 @@ class _ItemLowering:
         self._origin = Origin(
             item.section.value, item.number, 1, item.line, depends, item.text, item.span.start, item.span.end
         )
+        lowered: DhaItem | None
         match item.body:
             case Threshold() as threshold:
                 lowered = self._threshold(item, threshold)
@@ -261,12 +276,12 @@ class _ItemLowering:
         number = len(self.generated_booleans) + len(self.generated_reals) + 1
         name = f"__additional_{number}"
         kind, group = (
-            (Kind.BOOLEAN_AUX, self.generated_booleans)
-            if type_ is Type.BOOL
-            else (Kind.REAL_AUX, self.generated_reals)
+            (Kind.BOOLEAN_AUX, self.generated_booleans) if type_ is Type.BOOL else (Kind.REAL_AUX, self.generated_reals)
         )
         group.append(
-            Variable(name, type_, kind, low, high, description=self._origin.text, line=self._origin.line, generated=True)
+            Variable(
+                name, type_, kind, low, high, description=self._origin.text, line=self._origin.line, generated=True
+            )
         )
         return name
 
@@ -277,6 +292,8 @@ class _ItemLowering:
 
     def _check_finite(self, item: DhaItem | None, span: Span) -> None:
         forms = [getattr(item, field, None) for field in ("form", "then", "otherwise", "value")]
-        numbers = [n for form in forms if isinstance(form, Affine) for n in (form.constant, *(c for _, c in form.terms))]
+        numbers = [
+            n for form in forms if isinstance(form, Affine) for n in (form.constant, *(c for _, c in form.terms))
+        ]
         if not all(map(math.isfinite, numbers)):
             self._sink.error(Code.BAD_ARITHMETIC, "this item has a coefficient that is not a finite number", span)

@@ -139,4 +139,3 @@ def mentions_constant(expression: Expression) -> bool:
                 return any(args)
 
     return fold(expression, _arithmetic_children, node)
-

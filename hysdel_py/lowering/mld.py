@@ -52,7 +52,7 @@ class _Row:
     origin: RowOrigin
 
 
-def to_mld(dha: Dha, big_m: BigM, sink: Sink) -> Mld | None:
+def to_mld(dha: Dha, big_m: BigM, sink: Sink) -> Mld | None:  # noqa: ARG001 -- there is one rule so far
     """Lower a Dha; None where the model is too large for dense matrices, which is an error in the sink."""
     columns = dha.x + dha.u + dha.d + dha.z
     if (len(dha.x) + len(dha.y)) * len(columns) > MAX_DENSE_ENTRIES:
@@ -69,7 +69,8 @@ def to_mld(dha: Dha, big_m: BigM, sink: Sink) -> Mld | None:
     E1, E2, E3, E4, E5 = _inequalities(dha, rows)
     return Mld(
         dha.name,
-        *(tuple(_with_range(v, ranges) for v in group) for group in (dha.x, dha.u, dha.y, dha.d, dha.z)),
+        x=_with_ranges(dha.x, ranges), u=_with_ranges(dha.u, ranges), y=_with_ranges(dha.y, ranges),
+        d=_with_ranges(dha.d, ranges), z=_with_ranges(dha.z, ranges),
         A=A, B1=B1, B2=B2, B3=B3, B5=B5, C=C, D1=D1, D2=D2, D3=D3, D5=D5, E1=E1, E2=E2, E3=E3, E4=E4, E5=E5,
         rows=tuple(row.origin for row in rows),
         updates=updates,
@@ -79,12 +80,12 @@ def to_mld(dha: Dha, big_m: BigM, sink: Sink) -> Mld | None:
     )  # fmt: skip
 
 
-def _with_range(variable: Variable, ranges: Ranges) -> Variable:
-    low, high = ranges.of_variable(variable.name)
-    return replace(variable, low=low, high=high)
+def _with_ranges(group: tuple[Variable, ...], ranges: Ranges) -> tuple[Variable, ...]:
+    known = [(variable, *ranges.of_variable(variable.name)) for variable in group]
+    return tuple(replace(variable, low=low, high=high) for variable, low, high in known)
 
 
-# ---- rows of the items ------------------------------------------------------------------------------------------------
+# ---- rows of the items ------------------------------------------------------------------------------------------
 
 
 def _rows(item: DhaItem, ranges: Ranges, sink: Sink) -> Iterator[_Row]:
@@ -123,7 +124,7 @@ def _event_rows(event: Event, ranges: Ranges) -> list[Affine]:
 
 
 def _switch_rows(switch: Switch, ranges: Ranges) -> list[Affine]:
-    """z = f1 where s = 1 and f2 where s = 0, with s negated by exchanging the branches."""
+    """Z = f1 where s = 1 and f2 where s = 0, with s negated by exchanging the branches."""
     branches = ((switch.then, switch.then_limits), (switch.otherwise, switch.otherwise_limits))
     (f1, limits1), (f2, limits2) = branches if switch.condition.positive else branches[::-1]
     low1, high1 = ranges.of(f1, limits1, switch.origin)
@@ -158,7 +159,7 @@ def _clause_rows(formula: Formula, origin: Origin, sink: Sink) -> list[Affine]:
     ]
 
 
-# ---- matrices ---------------------------------------------------------------------------------------------------------
+# ---- matrices ---------------------------------------------------------------------------------------------------
 
 _Matrix = NDArray[np.float64]
 
@@ -202,9 +203,7 @@ def _places(groups: tuple[tuple[Variable, ...], ...]) -> Mapping[str, tuple[int,
     return {v.name: (block, column) for block, group in enumerate(groups) for column, v in enumerate(group)}
 
 
-def _inequalities(
-    dha: Dha, rows: list[_Row]
-) -> tuple[csr_array, csr_array, csr_array, csr_array, _Matrix]:
+def _inequalities(dha: Dha, rows: list[_Row]) -> tuple[csr_array, csr_array, csr_array, csr_array, _Matrix]:
     """Rows as E2 d + E3 z <= E1 u + E4 x + E5."""
     from scipy.sparse import csr_array
 

@@ -58,7 +58,7 @@ class Certifier:
         """Prepare the certificates of a problem."""
         from scipy.sparse import csr_array
 
-        At, P = csr_array(qp.A.T), csr_array(qp.P)
+        At, P = qp.At, csr_array(qp.P)
         operations = 2 * (qp.n + qp.m + 8)
         return cls(P, abs(P), At, abs(At), curvature, operations * UNIT_ROUNDOFF)
 
@@ -114,7 +114,7 @@ def dual_bound(qp: Qp, x: Vector, y: Vector) -> float:
 
 
 def farkas_bound(qp: Qp, y: Vector) -> float:
-    """Lower bound of the zero function over the feasible set, from any multipliers; positive proves that it is empty."""
+    """Lower bound of the zero function over the feasible set, from any multipliers; positive proves it empty."""
     return Certifier.of(qp).farkas_bound(qp, np.asarray(y, dtype=float))
 
 

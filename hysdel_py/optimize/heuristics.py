@@ -8,59 +8,64 @@ the order of their priorities, with propagation after each group.
 from __future__ import annotations
 
 from collections.abc import Iterator
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
+from hysdel_py.optimize.mixed_integer import Miqp
 from hysdel_py.optimize.propagation import Box, Propagator
 
-__all__ = ["guesses"]
+__all__ = ["Guesser"]
 
 Vector = NDArray[np.float64]
 Indices = NDArray[np.intp]
 Sides = tuple[Vector, Vector]
 
 
-def guesses(
-    propagator: Propagator, box: Box, sides: Sides, x: Vector, binaries: Indices, groups: list[Indices], drivers: Indices
-) -> Iterator[Vector]:
-    """Yield up to two vectors of binary values.
+@dataclass(frozen=True, eq=False, slots=True)
+class Guesser:
+    """What the guesses need to know of a problem.
 
-    Parameters
+    Attributes
     ----------
     propagator : Propagator
-    box : Box
-        Of the node.
-    sides : pair of arrays of shape (m,)
-    x : array of shape (n,)
-        Relaxed point.
     binaries : array of int
-    groups : list of arrays of int
+    groups : tuple of arrays of int
         The binaries by rising priority.
     drivers : array of int
+        Real variables that settle most others.
     """
-    if len(drivers):
-        pushed = _fix(propagator, box, sides, drivers, np.clip(x[drivers], box.lb[drivers], box.ub[drivers]))
-        yield from _round_groups(propagator, pushed, sides, x, binaries, groups)
-    yield from _round_groups(propagator, box, sides, x, binaries, groups)
 
+    propagator: Propagator
+    binaries: Indices
+    groups: tuple[Indices, ...]
+    drivers: Indices
 
-def _round_groups(
-    propagator: Propagator, box: Box, sides: Sides, x: Vector, binaries: Indices, groups: list[Indices]
-) -> Iterator[Vector]:
-    for group in groups:
-        if box.conflict is not None:
-            return
-        free = group[box.lb[group] < box.ub[group]]
-        if free.size:
-            box = _fix(propagator, box, sides, free, np.round(np.clip(x[free], 0.0, 1.0)))
-    if box.conflict is None:
-        yield box.lb[binaries]
+    @classmethod
+    def of(cls, miqp: Miqp, propagator: Propagator) -> Guesser:
+        """Prepare the guesses of a problem."""
+        groups = tuple(miqp.binaries[miqp.priorities == value] for value in np.unique(miqp.priorities))
+        return cls(propagator, miqp.binaries, groups, miqp.drivers)
 
+    def guesses(self, box: Box, sides: Sides, x: Vector) -> Iterator[Vector]:
+        """Yield up to two vectors of binary values for a node with the given box and relaxed point x."""
+        if len(self.drivers):
+            kept = np.clip(x[self.drivers], box.lb[self.drivers], box.ub[self.drivers])
+            yield from self._round_groups(self._fix(box, sides, self.drivers, kept), sides, x)
+        yield from self._round_groups(box, sides, x)
 
-def _fix(propagator: Propagator, box: Box, sides: Sides, variables: Indices, values: Vector) -> Box:
-    if box.conflict is not None:
-        return box
-    lb, ub = box.lb.copy(), box.ub.copy()
-    lb[variables] = ub[variables] = values
-    return propagator.propagate(lb, ub, *sides, changed=variables)
+    def _round_groups(self, box: Box, sides: Sides, x: Vector) -> Iterator[Vector]:
+        for group in self.groups:
+            if box.conflict is not None:
+                return
+            free = group[box.lb[group] < box.ub[group]]
+            if free.size:
+                box = self._fix(box, sides, free, np.where(x[free] > 0.5, 1.0, 0.0))
+        if box.conflict is None:
+            yield box.lb[self.binaries]
+
+    def _fix(self, box: Box, sides: Sides, variables: Indices, values: Vector) -> Box:
+        lb, ub = box.lb.copy(), box.ub.copy()
+        lb[variables] = ub[variables] = values
+        return self.propagator.propagate(lb, ub, *sides, changed=variables)

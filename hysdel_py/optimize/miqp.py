@@ -12,7 +12,6 @@ estimation and control of hybrid systems", ECC 1999. ``docs/branch-and-bound.md`
 from __future__ import annotations
 
 from collections.abc import Callable
-from math import inf
 from time import perf_counter
 from typing import Any
 
@@ -21,6 +20,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from hysdel_py.errors import ArgumentError
 from hysdel_py.optimize.backends.registry import get_backend
+from hysdel_py.optimize.heuristics import Guesser
 from hysdel_py.optimize.mixed_integer import Miqp, MiqpResult, MiqpSettings, MiqpStatus, SearchInfo
 from hysdel_py.optimize.propagation import Propagator
 from hysdel_py.optimize.qp import Qp
@@ -54,13 +54,12 @@ class MiqpSolver:
         get_backend(self.settings.backend, self.settings.qp)
         self.verified = VerifiedSolver(miqp.qp, self.settings.backend, self.settings.qp)
         self.propagator = Propagator(miqp.qp.A, miqp.binaries, self.settings.propagation)
-        self.groups = [
-            miqp.binaries[miqp.priorities == value] for value in np.unique(miqp.priorities)
-        ]
+        self.guesser = Guesser.of(miqp, self.propagator)
 
     def solve(
         self,
         q: ArrayLike | None = None,
+        *,
         l: ArrayLike | None = None,  # noqa: E741
         u: ArrayLike | None = None,
         lb: ArrayLike | None = None,
@@ -94,10 +93,10 @@ class MiqpSolver:
         Raises
         ------
         ArgumentError
-            A vector of the wrong shape.
+            A vector of the wrong shape, also one that the heuristic gave.
         """
         start = perf_counter()
-        qp = self._problem(self.miqp.qp.with_vectors(q, l, u, lb, ub, constant))
+        qp = self._problem(self.miqp.qp.with_vectors(q, l=l, u=u, lb=lb, ub=ub, constant=constant))
         search = Search(self, qp, start)
         search.heuristic = heuristic
         search.open_root()

@@ -40,7 +40,7 @@ class PhaseOne:
 
 
 def elastic_phase_one(qp: Qp) -> PhaseOne | None:
-    """Minimise the sum of row violations over the bounds; None where HiGHS gives no answer or the bounds are crossed."""
+    """Minimise the sum of row violations within the bounds; None without an answer or with crossed bounds."""
     from scipy.sparse import eye_array, hstack
 
     if qp.n == 0 or np.any(qp.lb > qp.ub):

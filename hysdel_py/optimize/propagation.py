@@ -7,9 +7,12 @@ rows that touch a bound changed in the round before. Everything is done for all 
 Source: M. W. P. Savelsbergh, "Preprocessing and probing techniques for mixed integer programming problems", ORSA
 Journal on Computing 6, 1994, section 1; T. Achterberg, "Constraint Integer Programming", 2007, section 7.1.
 
-No feasible point is lost: each derived bound is moved outwards by a margin that covers rounding in the data and in the
-sums, and a conflict counts only beyond that margin. The margin stays far below the 1e-6 by which a HYSDEL model
-separates "greater" from "greater or equal", as long as the terms of the row stay below about a thousand.
+No feasible point is lost: each side is moved outwards by a margin, relative to its size, and by what the rounding of
+the sum can amount to, and a conflict counts only beyond that. The margin stays far below the 1e-6 by which a HYSDEL
+model separates "greater" from "greater or equal", as long as the sides of the row stay below about a thousand.
+
+Inside, a box is one vector ``d = (-lb, ub)``, so that every bound is one that can only fall, and a row ``a'w`` lies
+between ``-sum |a_j| d[low_j]`` and ``sum |a_j| d[high_j]``, where low and high exchange roles with the sign of a_j.
 """
 
 from __future__ import annotations
@@ -27,6 +30,8 @@ __all__ = ["Box", "PropagationSettings", "Propagator"]
 Vector = NDArray[np.float64]
 Indices = NDArray[np.intp]
 
+UNIT_ROUNDOFF = float(np.finfo(float).eps)
+
 
 @dataclass(frozen=True, slots=True)
 class PropagationSettings:
@@ -35,13 +40,11 @@ class PropagationSettings:
     Attributes
     ----------
     margin : float
-        Slack given to a side, relative to its size and at least absolute.
-    rounding : float
-        Further slack relative to the sum of the absolute values of the terms of the row.
+        Slack given to a side and to a pair of bounds, relative to its size and at least absolute.
     integrality : float
         An integer's bound is rounded inwards only if it misses the next integer by more than this.
     progress : float
-        A bound of a real variable is worth another round if its interval shrinks at least by this share.
+        A bound is moved only if its interval shrinks at least by this share.
     huge : float
         Derived bounds of a larger absolute value are not kept.
     rounds : int
@@ -49,14 +52,13 @@ class PropagationSettings:
     """
 
     margin: float = 1e-9
-    rounding: float = 1e-13
     integrality: float = 1e-9
     progress: float = 1e-2
-    huge: float = 1e9
+    huge: float = 1e7
     rounds: int = 200
 
     def __post_init__(self) -> None:
-        for name in ("margin", "rounding", "integrality", "progress", "huge", "rounds"):
+        for name in ("margin", "integrality", "progress", "huge", "rounds"):
             if not getattr(self, name) > 0:
                 raise ArgumentError(f"{name} is {getattr(self, name)}: a positive number was expected")
 
@@ -69,8 +71,8 @@ class Box:
     ----------
     lb, ub : arrays of shape (n,)
     conflict : int or None
-        A row or (where it equals the number of rows) a pair of crossed bounds that proves that no integer point
-        satisfies the rows; None as long as there may be one.
+        A row, or the number of rows where a pair of bounds has crossed: no integer point satisfies the rows. None as
+        long as there may be one.
     rounds : int
         Number of rounds that were needed.
     """
@@ -101,12 +103,14 @@ class Propagator:
         self.settings = settings or PropagationSettings()
         self.m, self.n = rows.shape
         self._start, self._count = rows.indptr[:-1].astype(np.intp), np.diff(rows.indptr).astype(np.intp)
-        self._column, self._value = rows.indices.astype(np.intp), rows.data
+        column, positive = rows.indices.astype(np.intp), rows.data > 0
+        self._high, self._low = column + self.n * positive, column + self.n * ~positive
+        self._weight = np.abs(rows.data)
         self._touching = np.split(columns.indices.astype(np.intp), columns.indptr[1:-1])
-        self._integer = np.zeros(self.n, dtype=bool)
-        self._integer[integers] = True
-        self._filled = np.flatnonzero(self._count)
-        self._every = self._gather(self._filled)
+        integer = np.zeros(self.n, dtype=bool)
+        integer[integers] = True
+        self._integer = np.concatenate([integer, integer])
+        self._every = self._gather(np.flatnonzero(self._count))
 
     def propagate(
         self,
@@ -126,58 +130,67 @@ class Propagator:
         changed : array of int, optional
             Variables whose bounds have changed since the box was last propagated; all rows are looked at if None.
         """
-        lb, ub = self._rounded(lb, ub)
-        empty = self._crossed(lb, ub) or self._empty_row(l, u)
+        d = self._rounded(np.concatenate([-lb, ub]))
+        conflict = self._crossed(d, np.arange(self.n))
+        sides = self._sides(d, l, u)
+        if conflict is None and changed is None:
+            conflict = self._empty_row(l, u)
         entries = self._every if changed is None else self._entries_touching(changed)
         rounds = 0
-        while empty is None and entries.size and rounds < self.settings.rounds:
+        while conflict is None and entries.rows.size and rounds < self.settings.rounds:
             rounds += 1
-            empty, moved = self._round(entries, lb, ub, l, u)
-            entries = self._entries_touching(moved) if moved.size and empty is None else NOTHING
-        return Box(lb, ub, empty, rounds)
+            conflict, moved = self._round(entries, d, sides)
+            entries = self._entries_touching(moved) if conflict is None else NOTHING
+        return Box(-d[: self.n], d[self.n :], conflict, rounds)
 
-    def _round(
-        self, e: _Entries, lb: Vector, ub: Vector, l: Vector, u: Vector  # noqa: E741
-    ) -> tuple[int | None, Indices]:
-        """Tighten in place by the given rows; return a conflict and the variables whose bounds moved."""
-        low, high = lb[e.column], ub[e.column]
-        term_low, term_high = e.value * np.where(e.positive, low, high), e.value * np.where(e.positive, high, low)
-        size = np.maximum(np.abs(term_low), np.abs(term_high))
-        slack = self.settings.rounding * _finite_sum(size, e.first)
-        upper = u[e.rows] + self.settings.margin * (1 + np.abs(np.where(np.isfinite(u[e.rows]), u[e.rows], 0))) + slack
-        lower = l[e.rows] - self.settings.margin * (1 + np.abs(np.where(np.isfinite(l[e.rows]), l[e.rows], 0))) - slack
-        least, rest_low = _sums(term_low, e, -np.inf)
-        greatest, rest_high = _sums(term_high, e, np.inf)
-        bad = (least > upper) | (greatest < lower)
-        if bad.any():
-            return int(e.rows[bad.argmax()]), NO_INDICES
-        most, fewest = (upper[e.of] - rest_low) / e.value, (lower[e.of] - rest_high) / e.value
-        return self._apply(e, np.where(e.positive, fewest, most), np.where(e.positive, most, fewest), lb, ub)
+    def _round(self, e: _Entries, d: Vector, sides: tuple[Vector, Vector]) -> tuple[int | None, Indices]:
+        """Tighten in place by the given rows; return a conflict, and the variables whose bounds moved."""
+        count = len(e.of)
+        current = d[e.slots]
+        terms = e.weight * current
+        highs, lows = terms[:count], terms[count:]
+        high_sum, low_sum = np.add.reduceat(highs, e.first), np.add.reduceat(lows, e.first)
+        to_upper, to_lower = sides[1][e.rows] + low_sum, high_sum - sides[0][e.rows]
+        room = np.minimum(to_upper, to_lower)
+        if room.size and room.min() < 0:
+            return int(e.rows[room.argmin()]), NO_INDICES
+        if np.isfinite(high_sum).all() and np.isfinite(low_sum).all():
+            left = np.concatenate([to_upper[e.of] - lows, to_lower[e.of] - highs])
+        else:
+            left = _left_with_missing_bounds(e, lows, highs, sides)
+        return self._apply(e, left / e.weight, current, d)
 
-    def _apply(
-        self, e: _Entries, low: Vector, high: Vector, lb: Vector, ub: Vector
-    ) -> tuple[int | None, Indices]:
-        s = self.settings
-        integer = self._integer[e.column]
-        low = np.where(integer, np.ceil(low - s.integrality), low)
-        high = np.where(integer, np.floor(high + s.integrality), high)
-        old_low, old_high = lb[e.column], ub[e.column]
-        width = np.where(np.isfinite(old_high - old_low), old_high - old_low, 0.0)
-        step = np.maximum(s.progress * width, s.margin * (1 + np.minimum(np.abs(low), np.abs(high))))
-        up = (low > old_low + step) & (np.abs(low) < s.huge)
-        down = (high < old_high - step) & (np.abs(high) < s.huge)
-        np.maximum.at(lb, e.column[up], low[up])
-        np.minimum.at(ub, e.column[down], high[down])
-        moved = np.concatenate([e.column[up], e.column[down]])
-        return self._crossed(lb, ub, moved), moved
+    def _apply(self, e: _Entries, found: Vector, current: Vector, d: Vector) -> tuple[int | None, Indices]:
+        """Round the bounds that were found and keep those that are worth it."""
+        s, count = self.settings, len(e.of)
+        np.floor(found + s.integrality, out=found, where=self._integer[e.slots])
+        width = current[:count] + current[count:]
+        width[np.isinf(width)] = 0.0
+        step = s.progress * width + s.margin
+        good = (found < current - np.concatenate([step, step])) & (np.abs(found) < s.huge)
+        slots = e.slots[good]
+        np.minimum.at(d, slots, found[good])
+        moved = slots % self.n
+        return self._crossed(d, moved), moved
 
-    def _crossed(self, lb: Vector, ub: Vector, among: Indices | None = None) -> int | None:
-        low, high = (lb, ub) if among is None else (lb[among], ub[among])
-        over = low > high
-        if not over.any():
+    def _sides(self, d: Vector, l: Vector, u: Vector) -> tuple[Vector, Vector]:  # noqa: E741
+        """Sides moved outwards by the margin and by the possible rounding of the sums."""
+        margin = self.settings.margin
+        e = self._every
+        size = np.minimum(np.maximum(np.abs(d[: self.n]), np.abs(d[self.n :])), self.settings.huge)
+        total = np.zeros(self.m)
+        if e.rows.size:
+            terms = self._weight * size[self._high % self.n]
+            total[e.rows] = np.add.reduceat(terms, e.first)
+        slack = margin + 2 * UNIT_ROUNDOFF * (self._count + 4) * total
+        return l - slack - margin * _finite_size(l), u + slack + margin * _finite_size(u)
+
+    def _crossed(self, d: Vector, among: Indices) -> int | None:
+        width = d[among] + d[among + self.n]
+        if width.size == 0 or width.min() >= 0:
             return None
-        low, high = low[over], high[over]
-        return self.m if (low > high + self.settings.margin * (1 + np.abs(high))).any() else None
+        allowed = -self.settings.margin * (1 + np.abs(d[among]))
+        return self.m if (width < allowed).any() else None
 
     def _empty_row(self, l: Vector, u: Vector) -> int | None:  # noqa: E741
         """A row without coefficients whose sides exclude zero, or a row with crossed sides."""
@@ -186,65 +199,60 @@ class Propagator:
         bad |= (self._count == 0) & ((l > margin) | (u < -margin))
         return int(bad.argmax()) if bad.any() else None
 
-    def _rounded(self, lb: Vector, ub: Vector) -> tuple[Vector, Vector]:
-        tolerance = self.settings.integrality
-        return (
-            np.where(self._integer, np.ceil(lb - tolerance), lb),
-            np.where(self._integer, np.floor(ub + tolerance), ub),
-        )
+    def _rounded(self, d: Vector) -> Vector:
+        return np.where(self._integer, np.floor(d + self.settings.integrality), d)
 
     def _entries_touching(self, variables: Indices) -> _Entries:
         marked = np.zeros(self.m, dtype=bool)
-        for variable in set(variables.tolist()):
-            marked[self._touching[variable]] = True
-        return self._gather(np.flatnonzero(marked))
+        if variables.size:
+            marked[np.concatenate([self._touching[variable] for variable in set(variables.tolist())])] = True
+        return self._gather(marked.nonzero()[0])
 
     def _gather(self, rows: Indices) -> _Entries:
         """Entries of some rows, row after row."""
         if not rows.size:
             return NOTHING
         count = self._count[rows]
-        first = np.cumsum(count) - count
-        of = np.repeat(np.arange(len(rows)), count)
-        where = np.arange(len(of)) + (self._start[rows] - first)[of]
-        value = self._value[where]
-        return _Entries(rows, first, of, self._column[where], value, value > 0)
+        end = count.cumsum()
+        first = end - count
+        of = np.arange(len(rows)).repeat(count)
+        where = np.arange(end[-1]) + (self._start[rows] - first)[of]
+        weight = self._weight[where]
+        slots = np.concatenate([self._high[where], self._low[where]])
+        return _Entries(rows, first, of, slots, np.concatenate([weight, weight]))
 
 
 @dataclass(frozen=True, eq=False, slots=True)
 class _Entries:
-    """Nonzero coefficients of some rows: row numbers, first entry of each row, and row, column, value per entry."""
+    """Nonzero coefficients of some rows.
+
+    Row numbers, first entry of each row, row of each entry; then twice as long: where the bounds stand in d that make
+    the term great, followed by those that make it small, and the absolute values of the coefficients.
+    """
 
     rows: Indices
     first: Indices
     of: Indices
-    column: Indices
-    value: Vector
-    positive: NDArray[np.bool_]
-
-    @property
-    def size(self) -> int:
-        return self.column.size
+    slots: Indices
+    weight: Vector
 
 
 NO_INDICES: Indices = np.zeros(0, dtype=np.intp)
-NOTHING = _Entries(NO_INDICES, NO_INDICES, NO_INDICES, NO_INDICES, np.zeros(0), np.zeros(0, dtype=bool))
+NOTHING = _Entries(NO_INDICES, NO_INDICES, NO_INDICES, NO_INDICES, np.zeros(0))
 
 
-def _finite_sum(size: Vector, first: Indices) -> Vector:
-    total: Vector = np.add.reduceat(size, first)
-    if np.isinf(total).any():
-        total = np.add.reduceat(np.where(np.isinf(size), 0.0, size), first)
-    return total
+def _left_with_missing_bounds(e: _Entries, lows: Vector, highs: Vector, sides: tuple[Vector, Vector]) -> Vector:
+    """What the other terms of the row leave of its sides, some of the terms being infinite."""
+    below, above = _sum_of_others(e, lows), _sum_of_others(e, highs)
+    return np.concatenate([sides[1][e.rows][e.of] + below, above - sides[0][e.rows][e.of]])
 
 
-def _sums(terms: Vector, e: _Entries, infinity: float) -> tuple[Vector, Vector]:
-    """Sum of each row, and for each entry the sum of the other entries of its row."""
-    total = np.add.reduceat(terms, e.first)
-    if np.isfinite(total).all():
-        return total, total[e.of] - terms
+def _sum_of_others(e: _Entries, terms: Vector) -> Vector:
     endless = np.isinf(terms)
     finite = np.where(endless, 0.0, terms)
-    finite_total, count = np.add.reduceat(finite, e.first), np.add.reduceat(endless.astype(np.intp), e.first)
-    others = np.where(count[e.of] - endless > 0, infinity, finite_total[e.of] - finite)
-    return np.where(count > 0, infinity, finite_total), others
+    missing = np.add.reduceat(endless.astype(np.intp), e.first)[e.of] - endless
+    return np.where(missing > 0, np.inf, np.add.reduceat(finite, e.first)[e.of] - finite)
+
+
+def _finite_size(side: Vector) -> Vector:
+    return np.where(np.isfinite(side), np.abs(side), 0.0)

@@ -106,6 +106,7 @@ class Qp:
     ub: Vector
     constant: float = 0.0
     _size: tuple[int, int] = field(init=False, repr=False, default=(0, 0))
+    _transposed: Any = field(init=False, repr=False, default=None)
 
     def __post_init__(self) -> None:
         q = _vector(self.q, None, "q")
@@ -118,7 +119,14 @@ class Qp:
         _require_symmetric(P)
         if not np.isfinite(self.constant):
             raise ArgumentError(f"constant is {self.constant}: a finite number was expected")
-        values = {"P": P, "q": _finite(q, "q"), "A": A, "_size": (n, m), "constant": float(self.constant)}
+        values = {
+            "P": P,
+            "q": _finite(q, "q"),
+            "A": A,
+            "_size": (n, m),
+            "_transposed": A.T.tocsr(),
+            "constant": float(self.constant),
+        }
         values |= {name: _vector(getattr(self, name), m, name) for name in ("l", "u")}
         values |= {name: _vector(getattr(self, name), n, name) for name in ("lb", "ub")}
         for name, value in values.items():
@@ -130,6 +138,11 @@ class Qp:
         return self._size[0]
 
     @property
+    def At(self) -> Any:
+        """A transposed, in compressed rows."""
+        return self._transposed
+
+    @property
     def m(self) -> int:
         """Number of rows."""
         return self._size[1]
@@ -137,6 +150,7 @@ class Qp:
     def with_vectors(
         self,
         q: ArrayLike | None = None,
+        *,
         l: ArrayLike | None = None,  # noqa: E741
         u: ArrayLike | None = None,
         lb: ArrayLike | None = None,
@@ -147,7 +161,7 @@ class Qp:
         sizes = {"q": self.n, "l": self.m, "u": self.m, "lb": self.n, "ub": self.n}
         given = {"q": q, "l": l, "u": u, "lb": lb, "ub": ub}
         twin = object.__new__(Qp)
-        for name in ("P", "A", "_size"):
+        for name in ("P", "A", "_size", "_transposed"):
             object.__setattr__(twin, name, getattr(self, name))
         for name, value in given.items():
             vector = getattr(self, name) if value is None else _vector(value, sizes[name], name)
@@ -229,7 +243,7 @@ def violation(qp: Qp, x: Vector) -> float:
 def residuals(qp: Qp, x: Vector, y: Vector, z: Vector) -> Residuals:
     """Distance of (x, y, z) from optimality, as numbers that any reader can recompute."""
     rows = qp.A @ x
-    Px, Ay = qp.P @ x, qp.A.T @ y
+    Px, Ay = qp.P @ x, qp.At @ y
     primal = max(_largest(_excess(rows, qp.l, qp.u)), _largest(_excess(x, qp.lb, qp.ub)))
     dual = _largest(np.abs(Px + qp.q + Ay + z))
     rows_scale = max(1.0, _largest(np.abs(rows)), _largest(np.abs(x)))

@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from hysdel_py.optimize.heuristics import guesses
+from hysdel_py.errors import ArgumentError
 from hysdel_py.optimize.mixed_integer import MiqpResult, MiqpSettings, MiqpStatus, SearchInfo
 from hysdel_py.optimize.propagation import Box
 from hysdel_py.optimize.qp import Qp, objective_value, violation
@@ -98,7 +98,7 @@ class Search:
         if box.conflict is not None:
             return None
         if self.is_leaf(box):
-            return self.close(max(node.bound, self.settle(box.lb[self.binaries], node.guess)))
+            return self.close(max(node.bound, self.settle(box, node.guess)))
         verdict = self.relax(box, node.guess)
         if verdict.infeasible:
             return None
@@ -121,11 +121,11 @@ class Search:
         """Solve the relaxation; the certificates use the implied bounds, the solver only those of the binaries."""
         return self.solver.verified.solve(self._within(box), (box.lb, box.ub), guess, self._enough_to_branch)
 
-    def settle(self, values: Vector, guess: tuple[Vector, Vector] | None = None) -> float:
+    def settle(self, box: Box, guess: tuple[Vector, Vector] | None = None) -> float:
         """Solve with all binaries fixed, keep the point if it is better; return a certified lower bound."""
-        key = values.tobytes()
+        key = (box.lb[self.binaries] + 0.0).tobytes()
         if key not in self.leaves:
-            self.leaves[key] = self._settle(values, guess)
+            self.leaves[key] = self._settle(box, guess)
         return self.leaves[key]
 
     def look_for_incumbents(self, node: Node, box: Box, x: Vector) -> None:
@@ -163,7 +163,7 @@ class Search:
         lb[at] = ub[at] = values
         box = self._propagate(lb, ub, changed)
         if box.conflict is None:
-            self.settle(values)
+            self.settle(box)
 
     # ---------------------------------------------------------------- tests
 
@@ -234,12 +234,7 @@ class Search:
         lb[at], ub[at] = box.lb[at], box.ub[at]
         return self.qp.with_vectors(lb=lb, ub=ub)
 
-    def _settle(self, values: Vector, guess: tuple[Vector, Vector] | None) -> float:
-        lb, ub = self.root.lb.copy(), self.root.ub.copy()
-        lb[self.binaries] = ub[self.binaries] = values
-        box = self._propagate(lb, ub)
-        if box.conflict is not None:
-            return inf
+    def _settle(self, box: Box, guess: tuple[Vector, Vector] | None) -> float:
         qp = self._within(box)
         verdict = self.solver.verified.solve(qp, (box.lb, box.ub), guess, self._enough_to_settle)
         if verdict.infeasible:
@@ -247,7 +242,7 @@ class Search:
         if verdict.unbounded:
             self.unbounded = True
             return -inf
-        self._offer(verdict.answer.x, values)
+        self._offer(verdict.answer.x, box.lb[self.binaries] + 0.0)
         return verdict.bound
 
     def _offer(self, x: Vector, values: Vector) -> None:
@@ -277,10 +272,15 @@ class Search:
         if self.heuristic is not None:
             given = self.heuristic(x, box.lb, box.ub)
             if given is not None:
-                yield from np.atleast_2d(np.asarray(given, dtype=float))
+                yield from self._words(given)
         if self.settings.rounding:
-            solver, sides = self.solver, (self.qp.l, self.qp.u)
-            yield from guesses(solver.propagator, box, sides, x, self.binaries, solver.groups, solver.miqp.drivers)
+            yield from self.solver.guesser.guesses(box, (self.qp.l, self.qp.u), x)
+
+    def _words(self, given: Any) -> Vector:
+        words = np.atleast_2d(np.asarray(given, dtype=float))
+        if words.ndim != 2 or words.shape[1] != len(self.binaries):
+            raise ArgumentError(f"heuristic gave shape {np.shape(given)}: rows of {len(self.binaries)} were expected")
+        return words
 
     def _branching_variable(self, box: Box, x: Vector) -> int:
         at = self.binaries
@@ -298,9 +298,7 @@ class Search:
         gap = max(0.0, objective - bound) if self.x is not None and status is not MiqpStatus.UNBOUNDED else inf
         residual = self._residual()
         seconds = perf_counter() - self.start
-        return MiqpResult(
-            status, self.x, objective, bound, gap, self.nodes, self._solves(), seconds, message, residual
-        )
+        return MiqpResult(status, self.x, objective, bound, gap, self.nodes, self._solves(), seconds, message, residual)
 
     def _residual(self) -> float:
         if self.x is None:

@@ -115,7 +115,8 @@ class VerifiedSolver:
             yield self._spaces[name].solve(q=qp.q, l=qp.l, u=qp.u, lb=qp.lb, ub=qp.ub, x0=x0, y0=y0)
 
     def _judge(self, qp: Qp, answer: QpResult) -> Verdict:
-        answer = replace(answer, objective=answer.objective + qp.constant - self.qp.constant)
+        if qp.constant != self.qp.constant:
+            answer = replace(answer, objective=answer.objective + qp.constant - self.qp.constant)
         if np.any(qp.lb > qp.ub):
             return Verdict(answer, inf)
         certifier = self._certifier(qp)

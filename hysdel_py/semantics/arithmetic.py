@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 
 from hysdel_py.semantics.expressions import Constant, Expression, Reference, children
 from hysdel_py.syntax.operators import Op
@@ -60,7 +60,7 @@ def apply(op: Op, args: list[float]) -> float:
         return -math.inf if op is Op.LOG and args[0] == 0 else math.nan
 
 
-_OPERATIONS = {
+_OPERATIONS: Mapping[Op, Callable[..., float]] = {
     Op.NEGATE: lambda a: -a,
     Op.ADD: lambda a, b: a + b,
     Op.SUBTRACT: lambda a, b: a - b,

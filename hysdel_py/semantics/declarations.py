@@ -41,9 +41,7 @@ def declare(system: ast.System, source: Source, sink: Sink) -> dict[str, Symbol]
     return {name: _completed(symbol, declaration, typer) for name, (symbol, declaration) in declared.items()}
 
 
-def _first_pass(
-    system: ast.System, source: Source, sink: Sink
-) -> dict[str, tuple[Symbol, ast.Declaration | None]]:
+def _first_pass(system: ast.System, source: Source, sink: Sink) -> dict[str, tuple[Symbol, ast.Declaration | None]]:
     declared: dict[str, tuple[Symbol, ast.Declaration | None]] = {
         symbol.name: (symbol, None) for symbol in _predefined()
     }
@@ -96,9 +94,7 @@ def _completed(symbol: Symbol, declaration: ast.Declaration | None, typer: _Cons
     if declaration.value is not None:
         return replace(symbol, value=typer.value(symbol, declaration.value))
     if symbol.is_parameter and not symbol.is_real:
-        typer.sink.note(
-            Code.EXTENSION, f"HYSDEL 2.0.5 wants a value for the BOOL parameter {symbol.name}", symbol.span
-        )
+        typer.sink.note(Code.EXTENSION, f"HYSDEL 2.0.5 wants a value for the BOOL parameter {symbol.name}", symbol.span)
     return symbol
 
 

@@ -53,7 +53,9 @@ def _given_values(parameters: Mapping[str, Symbol], given: Mapping[str, object],
         if symbol is None:
             known = ", ".join(n for n, s in parameters.items() if s.line) or "(none)"
             sink.error(
-                Code.PARAMETER_UNKNOWN, f"there is no parameter {name}", help=f"the parameters of this model are {known}"
+                Code.PARAMETER_UNKNOWN,
+                f"there is no parameter {name}",
+                help=f"the parameters of this model are {known}",
             )
         else:
             number = _as_number(symbol, value, sink)
@@ -70,7 +72,9 @@ def _as_number(symbol: Symbol, value: object, sink: Sink) -> float | None:
         number = math.nan
     if math.isnan(number) or (not symbol.is_real and number not in (0.0, 1.0)):
         sink.error(
-            Code.PARAMETER_VALUE, f"the parameter {symbol.name} was given {value!r}: {expected} was expected", symbol.span
+            Code.PARAMETER_VALUE,
+            f"the parameter {symbol.name} was given {value!r}: {expected} was expected",
+            symbol.span,
         )
         return None
     return number

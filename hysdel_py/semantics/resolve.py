@@ -12,7 +12,17 @@ from hysdel_py.diagnostics.sink import Sink
 from hysdel_py.semantics.declarations import declare
 from hysdel_py.semantics.expressions import Apply, Expression, is_constant
 from hysdel_py.semantics.symbols import Role, Symbol
-from hysdel_py.semantics.typed_model import Body, Branch, Choice, Equation, Item, Requirement, Threshold, Triple, TypedModel
+from hysdel_py.semantics.typed_model import (
+    Body,
+    Branch,
+    Choice,
+    Equation,
+    Item,
+    Requirement,
+    Threshold,
+    Triple,
+    TypedModel,
+)
 from hysdel_py.semantics.typing import ExpressionTyper
 from hysdel_py.syntax import ast
 from hysdel_py.syntax.ast import SectionKind
@@ -38,11 +48,7 @@ def resolve(system: ast.System, source: Source, sink: Sink) -> TypedModel:
     """Resolve a syntax tree; the result is meaningful only if the sink has not failed."""
     symbols = declare(system, source, sink)
     resolver = _ItemResolver(symbols, source, sink)
-    items = [
-        resolver.item(section.kind, item)
-        for section in system.sections
-        for item in section.items
-    ]
+    items = [resolver.item(section.kind, item) for section in system.sections for item in section.items]
     model = TypedModel(system.name, source, tuple(symbols.values()), tuple(item for item in items if item is not None))
     _check_defined_once(model, sink)
     if not sink.failed:
@@ -104,7 +110,8 @@ class _ItemResolver:
                 return self._threshold(item)
             case ast.Equation(value=value, triple=triple):
                 if triple is not None:
-                    message = f"[min, max, epsilon] belongs behind a comparison in AD or a branch in DA, not in {section.value}"
+                    place = "behind a comparison in AD or a branch in DA"
+                    message = f"[min, max, epsilon] belongs {place}, not in {section.value}"
                     self._sink.error(Code.NOT_SUPPORTED, message, triple.span)
                 typed = self._typer.typed(value, target.type if target else None)
                 return None if typed is None else Equation(typed)
@@ -118,7 +125,9 @@ class _ItemResolver:
         if threshold is None:
             self._sink.error(
                 Code.NOT_A_COMPARISON,
-                "AD needs a comparison, this is " + ("a Boolean" if typed.type is Type.BOOL else "a real") + " expression",
+                "AD needs a comparison, this is "
+                + ("a Boolean" if typed.type is Type.BOOL else "a real")
+                + " expression",
                 typed.span,
                 help="write name = left <= right or name = left >= right; Boolean definitions belong into LOGIC",
             )
@@ -204,6 +213,8 @@ def _warn_unused_and_undefined(model: TypedModel, sink: Sink) -> None:
     for symbol in model.symbols:
         if symbol.role in (Role.STATE, Role.OUTPUT, Role.AUX) and symbol.name not in defined:
             effect = "its value is free" if symbol.role is Role.AUX else "it is zero"
-            sink.warning(Code.NEVER_DEFINED, f"the {symbol.spoken} {symbol.name} is never defined: {effect}", symbol.span)
+            sink.warning(
+                Code.NEVER_DEFINED, f"the {symbol.spoken} {symbol.name} is never defined: {effect}", symbol.span
+            )
         elif symbol.role in (Role.INPUT, Role.AUX) and symbol.name not in used:
             sink.warning(Code.UNUSED, f"the {symbol.spoken} {symbol.name} is never used", symbol.span)

@@ -111,16 +111,16 @@ class ExpressionTyper:
             Code.WRONG_TYPE,
             f"{_WORD[expected]} is needed here, this is {_described(expression)}",
             expression.span,
-            help="(REAL expression) turns a Boolean into 0 or 1" if expected is Type.REAL else _boolean_help(expression),
+            help="(REAL expression) turns a Boolean into 0 or 1"
+            if expected is Type.REAL
+            else _boolean_help(expression),
         )
         return None
 
     def _note_extension(self, expression: Expression, expected: Type) -> None:
         if expected is Type.BOOL and isinstance(expression, Reference) and expression.symbol.is_parameter:
             name = expression.symbol.name
-            self._sink.note(
-                Code.EXTENSION, f"HYSDEL 2.0.5 refuses the BOOL parameter {name} in logic", expression.span
-            )
+            self._sink.note(Code.EXTENSION, f"HYSDEL 2.0.5 refuses the BOOL parameter {name} in logic", expression.span)
 
     def _affine(self, op: Op, args: tuple[Expression, ...], span: Span) -> bool:
         """Check that no product, quotient, power or function makes a variable non-linear."""
@@ -149,6 +149,8 @@ def _described(expression: Expression) -> str:
 def _boolean_help(expression: Expression) -> str:
     if isinstance(expression, Reference):
         return f"define a Boolean auxiliary in AD, such as d = {expression.symbol.name} >= 0, and use that"
+    if isinstance(expression, Constant):
+        return "write TRUE or FALSE"
     return "define a Boolean auxiliary by a comparison in AD and use that"
 
 

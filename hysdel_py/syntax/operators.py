@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from enum import Enum
 
-__all__ = ["ARROWS", "ARITHMETIC", "COMPARISONS", "CONNECTIVES", "FUNCTIONS", "Op"]
+__all__ = ["ARITHMETIC", "ARROWS", "COMPARISONS", "CONNECTIVES", "FUNCTIONS", "Op"]
 
 
 class Op(Enum):

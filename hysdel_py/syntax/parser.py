@@ -141,7 +141,7 @@ _KEYWORDS = {
 }  # fmt: skip
 
 
-def _advice(token: str, expected: list[str], source: Source, span: Span) -> str:
+def _advice(token: str, expected: list[str], source: Source, span: Span) -> str:  # noqa: PLR0911 -- a table of cases
     doubled = source.text[span.start : span.start + 2]
     if "NAME" in expected and (token in _KEYWORDS or token in {"sin", "cos", "exp", "log", "sqrt"}):
         return f"{token} is a word of the language and cannot be a name here"
@@ -155,6 +155,17 @@ def _advice(token: str, expected: list[str], source: Source, span: Span) -> str:
         return "comparisons belong into AD (as name = left <= right) or stand alone in MUST; they cannot be chained"
     if doubled == "//":
         return "comments are written /* like this */"
+    if token == "(" and "LSQB" in expected:
+        return "variables are scalars: there are no vectors and no matrices"
+    if span.end == len(source.text.rstrip()) and _comment_left_open(source):
+        return "the last comment is not closed: */ is missing"
     if "SEMICOLON" in expected:
         return "every item ends with a semicolon"
     return ""
+
+
+def _comment_left_open(source: Source) -> bool:
+    if not source.comments:
+        return False
+    last = source.comments[-1]
+    return last.end == len(source.text) and not source.text[last.start + 2 :].endswith("*/")

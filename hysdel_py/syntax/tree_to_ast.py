@@ -1,5 +1,7 @@
 """Builds the syntax tree while the parser reduces, so that no intermediate tree exists and depth does not matter."""
 
+# ruff: noqa: D102 -- the methods carry the names of the rules of the grammar, which say what they are
+
 from __future__ import annotations
 
 from dataclasses import dataclass
@@ -22,7 +24,7 @@ _FUNCTIONS = {op.value: op for op in FUNCTIONS}
 
 
 def _span(part: Any) -> Span:
-    return Span(part.start_pos, part.end_pos) if isinstance(part, Token) else part.span
+    return Span(part.start_pos or 0, part.end_pos or 0) if isinstance(part, Token) else part.span
 
 
 def _around(parts: list[Any]) -> Span:
@@ -100,9 +102,7 @@ class TreeToAst(Transformer[Token, Any]):
         condition, then, *rest = _nodes(parts)
         then_triple = rest.pop(0) if rest and isinstance(rest[0], ast.Triple) else None
         otherwise, otherwise_triple = rest[0].fields if rest else (None, None)
-        return ast.Choice(
-            _name(parts[0]), condition, then, then_triple, otherwise, otherwise_triple, _around(parts)
-        )
+        return ast.Choice(_name(parts[0]), condition, then, then_triple, otherwise, otherwise_triple, _around(parts))
 
     def otherwise(self, parts: list[Any]) -> _Parts:
         value, *triple = _nodes(parts)

@@ -10,6 +10,7 @@ from __future__ import annotations
 from collections import deque
 from collections.abc import Iterator
 from dataclasses import dataclass
+from itertools import pairwise
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -52,7 +53,7 @@ class AuxiliarySolver:
         pointers = self._matrix.indptr
         self._rows = [
             list(zip(self._matrix.indices[a:b].tolist(), self._matrix.data[a:b].tolist(), strict=True))
-            for a, b in zip(pointers[:-1], pointers[1:], strict=True)
+            for a, b in pairwise(pointers)
         ]
         self._rows_of: list[list[int]] = [[] for _ in range(mld.nd + mld.nz)]
         for index, row in enumerate(self._rows):
@@ -217,8 +218,8 @@ class AuxiliarySolver:
     def _several(self, first: Vector, second: Vector) -> str:
         column = int(np.argmax(abs(first - second)))
         return (
-            f"the auxiliaries are not unique: {self._label(column)} may be {first[column]:.9g} or {second[column]:.9g}; "
-            "is it defined by an item?"
+            f"the auxiliaries are not unique: {self._label(column)} may be {first[column]:.9g} or "
+            f"{second[column]:.9g}; is it defined by an item?"
         )
 
     def _none(self, right: Vector, slack: list[float]) -> str:

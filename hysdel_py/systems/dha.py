@@ -137,9 +137,14 @@ class Dha:
         """What has to hold in every step."""
         return tuple(item for item in self.items if isinstance(item, AffineRequirement | LogicRequirement))
 
+    @property
+    def algebraic_loop(self) -> tuple[str, ...]:
+        """Auxiliaries that are defined in a circle, the first repeated at the end; empty if there is no circle."""
+        return self._order_or_loop[1]
+
     @cached_property
-    def _auxiliary_order(self) -> tuple[str, ...] | str:
-        """Auxiliaries such that each comes after all it depends on, or a sentence why there is no such order."""
+    def _order_or_loop(self) -> tuple[tuple[str, ...], tuple[str, ...]]:
+        """Auxiliaries such that each comes after all it depends on, or else a circle of them."""
         auxiliaries = {v.name for v in (*self.d, *self.z)}
         graph = {
             name: [n for n in _depends(self.definitions[name]) if n in auxiliaries]
@@ -148,13 +153,14 @@ class Dha:
         }
         order = TopologicalSorter({name: graph.get(name, []) for name in (v.name for v in (*self.d, *self.z))})
         try:
-            return tuple(order.static_order())
+            return tuple(order.static_order()), ()
         except CycleError as error:
-            return self._loop_message(list(reversed(error.args[1])))
+            return (), tuple(reversed(error.args[1]))
 
-    def _loop_message(self, circle: list[str]) -> str:
+    def _loop_message(self, circle: tuple[str, ...]) -> str:
         places = "; ".join(str(self.definitions[name].origin) for name in circle[:-1])
-        return f"algebraic loop {' -> '.join(circle)}: a step is not defined by evaluating one item after the other ({places})"
+        reason = "a step is not defined by evaluating one item after the other"
+        return f"algebraic loop {' -> '.join(circle)}: {reason} ({places})"
 
     def step(
         self, x: ArrayLike | Mapping[str, float], u: ArrayLike | Mapping[str, float] = (), *, check: bool = True
@@ -195,9 +201,9 @@ class Dha:
 
     def _auxiliaries(self, x: Vector, u: Vector) -> dict[str, float]:
         """Values of all variables that the step reads."""
-        order = self._auxiliary_order
-        if isinstance(order, str):
-            raise SimulationError((order,))
+        order, loop = self._order_or_loop
+        if loop:
+            raise SimulationError((self._loop_message(loop),))
         values = {v.name: float(value) for v, value in zip((*self.x, *self.u), (*x, *u), strict=True)}
         for name in order:
             definition = self.definitions.get(name)
@@ -241,8 +247,16 @@ class Dha:
             value = form.value(values)
             slack = self.tolerances.range * max(1.0, abs(value))
             if not limits[0] - slack <= value <= limits[1] + slack:
-                problems.append(f"{form} = {value:.9g} leaves its stated range [{limits[0]:g}, {limits[1]:g}] in {origin}")
+                problems.append(
+                    f"{form} = {value:.9g} leaves its stated range [{limits[0]:g}, {limits[1]:g}] in {origin}"
+                )
         return tuple(problems)
+
+    def describe(self) -> str:
+        """Text with one line per variable group and item."""
+        from hysdel_py.systems.describe import describe_dha
+
+        return describe_dha(self)
 
     def simulate(
         self, x0: ArrayLike | Mapping[str, float], inputs: ArrayLike, *, ts: float = 1.0, check: bool = True

@@ -159,6 +159,12 @@ class Mld:
         y = self.C @ state + self.D1 @ control + self.D2 @ d + self.D3 @ z + self.D5
         return x1, y, d, z
 
+    def describe(self) -> str:
+        """Text with names instead of matrices: variables, equations, and the rows under the item each came from."""
+        from hysdel_py.systems.describe import describe_mld
+
+        return describe_mld(self)
+
     def simulate(
         self, x0: ArrayLike | Mapping[str, float], inputs: ArrayLike, *, ts: float = 1.0, check: bool = True
     ) -> Trajectory:

@@ -75,9 +75,7 @@ class Variable:
         return f"{self.name} [{self.unit}]" if self.unit else self.name
 
 
-def as_vector(
-    value: ArrayLike | Mapping[str, float], variables: Sequence[Variable], what: str
-) -> NDArray[np.float64]:
+def as_vector(value: ArrayLike | Mapping[str, float], variables: Sequence[Variable], what: str) -> NDArray[np.float64]:
     """Check a state or input and return it as a float vector.
 
     Parameters
@@ -94,7 +92,9 @@ def as_vector(
     ArgumentError
         Wrong number of entries, unknown or missing name, not a number, not finite, or a Boolean that is not 0 or 1.
     """
-    vector = _from_mapping(value, variables, what) if isinstance(value, Mapping) else _from_array(value, variables, what)
+    vector = (
+        _from_mapping(value, variables, what) if isinstance(value, Mapping) else _from_array(value, variables, what)
+    )
     for entry, variable in zip(vector, variables, strict=True):
         if not np.isfinite(entry):
             raise ArgumentError(f"{what} {variable.name} is {entry}: a finite number was expected")
@@ -108,7 +108,9 @@ def _from_mapping(value: Mapping[str, float], variables: Sequence[Variable], wha
     unknown = [name for name in value if name not in names]
     missing = [name for name in names if name not in value]
     if unknown:
-        raise ArgumentError(f"there is no {what} named {', '.join(map(str, unknown))}: the {what}s are {_listed(names)}")
+        raise ArgumentError(
+            f"there is no {what} named {', '.join(map(str, unknown))}: the {what}s are {_listed(names)}"
+        )
     if missing:
         raise ArgumentError(f"no value for the {what} {', '.join(missing)}: the {what}s are {_listed(names)}")
     return _from_array([value[name] for name in names], variables, what)

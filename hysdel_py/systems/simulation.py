@@ -108,4 +108,4 @@ def assemble_trajectory(
     )
     u = np.array(controls[:count], dtype=float).reshape(count, len(system.u))
     variables = {"x": system.x, "u": system.u, "y": system.y, "d": system.d, "z": system.z}
-    return Trajectory(ts * np.arange(count + 1), x, u, y, d, z, variables)
+    return Trajectory(ts * np.arange(count + 1, dtype=float), x, u, y, d, z, variables)

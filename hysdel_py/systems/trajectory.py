@@ -87,8 +87,11 @@ class Trajectory:
 
     def columns(self) -> dict[str, Matrix]:
         """All signals by name, cut to the N steps; a name used twice gets its vector's letter, as in ``x.level``."""
-        groups = [(key, v.name, getattr(self, key)[: self.steps, i])
-                  for key, group in self.variables.items() for i, v in enumerate(group)]
+        groups = [
+            (key, v.name, getattr(self, key)[: self.steps, i])
+            for key, group in self.variables.items()
+            for i, v in enumerate(group)
+        ]
         names = [name for _, name, _ in groups]
         table = {"t": self.t[: self.steps]}
         for key, name, values in groups:

@@ -1,5 +1,7 @@
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -107,7 +109,12 @@ def test_hard_limits_are_bounds_and_soft_ones_rows(systems):
     soft = build(systems.fold(), 2, Cost(), Limits(x={"x": (-2, None)}, soft=True, rho=7))
     assert (soft.lb[x1], soft.ub[x1]) == (-10, 10)
     assert soft.objective.P[soft.layout.n - 1, soft.layout.n - 1] == 14.0
-    assert soft.lb[-1] == 0.0
+    assert (soft.lb[-1], soft.ub[-1]) == (0.0, 8.0)  # the range ends 8 below the limit
+
+
+def test_slack_bounds_cover_every_violation_that_the_ranges_allow(systems):
+    f = build(systems.heater(), 2, Cost(), Limits(y={"felt": (0, 9)}, terminal=([[2.0, 1.0]], [30.0]), soft=True))
+    assert f.ub[-2:].tolist() == [50.5, 71.0]  # felt = T + 0.5 fan is at least -50.5; 2 * 50 + 1 - 30 at most
 
 
 def test_split_and_join_are_inverse(systems):
@@ -117,3 +124,11 @@ def test_split_and_join_are_inverse(systems):
     assert plan.x.shape == (4, 2)
     assert np.array_equal(f.layout.join(plan), v)
     assert plan.slack.tolist() == [f.layout.n - 1]
+
+
+def test_limit_of_an_input_stays_hard_when_an_output_of_its_name_is_softened(systems):
+    mld = systems.heater()
+    twin = replace(mld, y=(replace(mld.y[0], name="fan"), mld.y[1]))
+    f = build(twin, 2, Cost(), Limits(y={"fan": (0, 9)}, u={"fan": (0, 0.5)}, soft=True))
+    assert f.layout.slacks == ("fan",)
+    assert (f.lb[0], f.ub[0]) == (0, 0.5)

@@ -5,6 +5,8 @@ import itertools
 import numpy as np
 import piqp
 import pytest
+from hypothesis import HealthCheck, given, settings
+from hypothesis import strategies as st
 
 from hysdel_py.control.costs import Cost
 from hysdel_py.control.hybrid_mpc import HybridMpc
@@ -87,7 +89,7 @@ def enumerated_optimum(mld, N, x0, stage_cost, final_cost, extra=lambda *_: []):
 @pytest.mark.parametrize("x0", RNG_STATES)
 def test_fold_equals_enumeration(systems, x0, backend):
     mld = systems.fold()
-    mpc = HybridMpc(mld, 4, Cost(y={"seen": 1}, u={"push": 0.1}, terminal={"x": 3}), backend=backend)
+    mpc = HybridMpc(mld, 4, Cost(y={"seen": 1}, u={"push": 0.1}, terminal={"x": 3}), backend=backend, gap_rel=1e-6)
     move = mpc.solve([x0], {"seen": 1.0, "push": 0.2})
     expected = enumerated_optimum(
         mld, 4, np.array([x0]),
@@ -100,12 +102,36 @@ def test_fold_equals_enumeration(systems, x0, backend):
     assert move.gap == pytest.approx(move.cost - move.bound, abs=1e-9)
 
 
+@settings(max_examples=15, deadline=None, derandomize=True, suppress_health_check=[HealthCheck.function_scoped_fixture])
+@given(
+    x0=st.floats(-9, 9), right=st.floats(-0.9, 0.9), left=st.floats(-0.9, 0.9), target=st.floats(-5, 5),
+    weights=st.tuples(st.floats(0, 3), st.floats(0.01, 3), st.floats(0, 3)), horizon=st.integers(1, 3),
+)  # fmt: skip
+def test_any_fold_equals_enumeration(systems, x0, right, left, target, weights, horizon):
+    mld, (wx, wu, wz) = systems.fold(right, left), weights
+    mpc = HybridMpc(mld, horizon, Cost(x={"x": wx}, u=[wu], z={"part": wz}, terminal={"x": 2.0}))
+    move = mpc.solve([x0], {"x": target, "part": 0.5})
+    expected = enumerated_optimum(
+        mld, horizon, np.array([x0]),
+        lambda k, x, u, d, z: (wx * (x[0] - target) ** 2 if k else 0) + wu * u[0] ** 2 + wz * (z[0] - 0.5) ** 2,
+        lambda x: 2 * (x[0] - target) ** 2,
+    )  # fmt: skip
+    if move.status is MoveStatus.INFEASIBLE:  # the state lies in the gap of width epsilon below zero
+        assert np.isinf(expected)
+        return
+    assert move.cost == pytest.approx(expected, rel=1e-4, abs=1e-4)
+    for k in range(horizon):
+        x1 = systems.fold_step(right, left)(move.predicted.x[k], move.predicted.u[k])[0]
+        near_the_edge = abs(move.predicted.x[k, 0]) < 1e-5
+        assert near_the_edge or x1 == pytest.approx(move.predicted.x[k + 1], abs=1e-5)
+
+
 @pytest.mark.parametrize("on", [0.0, 1.0])
 @pytest.mark.parametrize("temperature", [0.0, 9.0])
 def test_heater_equals_enumeration_with_preview_and_limits(systems, temperature, on):
     mld, ref = systems.heater(), [4.0, 8.0, 2.0]
     cost = Cost(y={"felt": 2}, u={"switch": 0.3}, d={"heat": 0.5})
-    mpc = HybridMpc(mld, 3, cost, Limits(y={"felt": (-1, 10)}), references=("felt",))
+    mpc = HybridMpc(mld, 3, cost, Limits(y={"felt": (-1, 10)}), references=("felt",), gap_rel=1e-6)
     move = mpc.solve([temperature, on], {"felt": ref})
     expected = enumerated_optimum(
         mld, 3, np.array([temperature, on]),
@@ -133,7 +159,7 @@ def test_prediction_satisfies_the_model(systems):
 
 def test_warm_and_cold_cost_agree(systems):
     step = systems.fold_step()
-    warm, cold = (HybridMpc(systems.fold(), 5, Cost(y={"seen": 1}, u={"push": 0.05})) for _ in range(2))
+    warm, cold = (HybridMpc(systems.fold(), 5, Cost(y={"seen": 1}, u={"push": 0.05}), gap_rel=1e-6) for _ in range(2))
     x = np.array([8.0])
     for _ in range(6):
         a, b = warm.solve(x, {"seen": -3.0}), cold.solve(x, {"seen": -3.0}, warm=False)

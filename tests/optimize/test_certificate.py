@@ -17,7 +17,7 @@ def random_qp(rng, n=4, m=3, scale=1.0):
     L, A = rng.normal(size=(n, rng.integers(0, n + 1))), rng.normal(size=(m, n)) * scale
     x = rng.uniform(-1, 1, n)
     at = A @ x
-    l, u = at - rng.exponential(1, m), at + rng.exponential(1, m)
+    l, u = at - rng.exponential(1, m), at + rng.exponential(1, m)  # noqa: E741
     l[rng.random(m) < 0.3], u[rng.random(m) < 0.3] = -np.inf, np.inf
     q = rng.normal(size=n) * scale
     return Qp(L @ L.T, q, A, l, u, x - rng.exponential(1, n), x + rng.exponential(1, n), rng.normal()), x

@@ -29,7 +29,7 @@ def test_no_feasible_point_is_lost(seed):
     x[integers] = np.round(x[integers])
     at = A @ x
     # rows that are exactly tight, and up to the rounding of the sum
-    l = at - rng.choice([0.0, 1e-6, 1.0, INF], size=m)
+    l = at - rng.choice([0.0, 1e-6, 1.0, INF], size=m)  # noqa: E741
     u = at + rng.choice([0.0, 1e-6, 1.0, INF], size=m)
     lb, ub = x - rng.choice([0.0, 1.0, INF], size=n), x + rng.choice([0.0, 1.0, INF], size=n)
     box = propagate(A, integers, lb, ub, l, u)
@@ -42,8 +42,8 @@ def test_no_feasible_point_is_lost(seed):
 @given(st.integers(0, 2**32 - 1))
 def test_an_increment_keeps_the_feasible_point_too(seed):
     rng = np.random.default_rng(seed)
-    A, x = rng.normal(size=(4, 6)), np.concatenate([rng.integers(0, 2, 3), rng.normal(size=3)])
-    l, u = A @ x - rng.exponential(0.3, 4), A @ x + rng.exponential(0.3, 4)
+    A, x = rng.normal(size=(4, 6)), np.concatenate([rng.integers(0, 2, 3), rng.uniform(-3, 3, 3)])
+    l, u = A @ x - rng.exponential(0.3, 4), A @ x + rng.exponential(0.3, 4)  # noqa: E741
     lb, ub = np.array([0, 0, 0, -4, -4, -4.0]), np.array([1, 1, 1, 4, 4, 4.0])
     propagator = Propagator(A, np.arange(3))
     box = propagator.propagate(lb, ub, l, u)
@@ -85,7 +85,18 @@ def test_a_gap_of_epsilon_decides_the_binary():
 
 
 def test_a_gap_below_the_margin_decides_nothing():
-    box = propagate([[1.0, -1.0]], [], [0, 0], [0, 1], [1e-12, ], [1e-12, ])
+    box = propagate(
+        [[1.0, -1.0]],
+        [],
+        [0, 0],
+        [0, 1],
+        [
+            1e-12,
+        ],
+        [
+            1e-12,
+        ],
+    )
     assert box.conflict is None
     assert propagate([[1.0]], [], [0], [0], [1e-12], [1.0]).conflict is None
     assert propagate([[1.0]], [], [0], [0], [1e-6], [1.0]).conflict == 0

@@ -16,14 +16,15 @@ Vector = NDArray[np.float64]
 
 def checked_result(
     qp: Qp,
+    settings: QpSettings,
     claim: QpStatus,
+    *,
     x: Vector,
     y: Vector,
     z: Vector,
     iterations: int,
     seconds: float,
     word: str,
-    settings: QpSettings,
 ) -> QpResult:
     """Compute the residuals of an answer and withdraw the word "optimal" where they do not support it."""
     if not (np.isfinite(x).all() and np.isfinite(y).all() and np.isfinite(z).all()):
@@ -59,5 +60,7 @@ def empty_result(qp: Qp) -> QpResult | None:
         status = QpStatus.OPTIMAL if feasible else QpStatus.INFEASIBLE
         y = np.where(qp.l > 0, -1.0, np.where(qp.u < 0, 1.0, 0.0))
         message = "no variables"
-        return replace(failed_result(qp, status, message), y=y, objective=qp.constant, primal_residual=0.0, dual_residual=0.0)
+        return replace(
+            failed_result(qp, status, message), y=y, objective=qp.constant, primal_residual=0.0, dual_residual=0.0
+        )
     return None

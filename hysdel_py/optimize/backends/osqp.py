@@ -20,7 +20,7 @@ __all__ = ["backend"]
 
 Vector = NDArray[np.float64]
 
-DEFAULT_ACCURACY = 1e-6
+DEFAULT_ACCURACY = 1e-7
 DEFAULT_ITERATIONS = 4_000
 
 
@@ -47,6 +47,7 @@ class _OsqpWorkspace:
     def solve(
         self,
         q: Vector | None = None,
+        *,
         l: Vector | None = None,  # noqa: E741
         u: Vector | None = None,
         lb: Vector | None = None,
@@ -55,7 +56,7 @@ class _OsqpWorkspace:
         y0: Vector | None = None,
     ) -> QpResult:
         start = perf_counter()
-        self.qp = qp = self.qp.with_vectors(q, l, u, lb, ub)
+        self.qp = qp = self.qp.with_vectors(q, l=l, u=u, lb=lb, ub=ub)
         trivial = empty_result(qp)
         if trivial is not None:
             return trivial
@@ -94,7 +95,15 @@ class _OsqpWorkspace:
             y, z = np.zeros(self.qp.m), np.zeros(self.qp.n)
         word = f"osqp: {raw.info.status}"
         return checked_result(
-            self.qp, claim, x.copy(), y.copy(), z.copy(), raw.info.iter, seconds, word, self.settings
+            self.qp,
+            self.settings,
+            claim,
+            x=x.copy(),
+            y=y.copy(),
+            z=z.copy(),
+            iterations=raw.info.iter,
+            seconds=seconds,
+            word=word,
         )
 
     def _direction(self, raw: Any) -> Vector:
@@ -136,7 +145,7 @@ def _set_up(qp: Qp, settings: QpSettings) -> Any:
         eps_prim_inf=min(1e-7, accuracy),
         eps_dual_inf=min(1e-7, accuracy),
         max_iter=settings.iterations or DEFAULT_ITERATIONS,
-        polishing=True,
+        polishing=False,  # it writes to the terminal where no bound is active
         adaptive_rho_interval=50,  # the default measures time, which would make the iterates depend on the machine
         verbose=False,
     )

@@ -51,6 +51,7 @@ class _PiqpWorkspace:
     def solve(
         self,
         q: Vector | None = None,
+        *,
         l: Vector | None = None,  # noqa: E741
         u: Vector | None = None,
         lb: Vector | None = None,
@@ -59,7 +60,7 @@ class _PiqpWorkspace:
         y0: Vector | None = None,  # noqa: ARG002
     ) -> QpResult:
         start = perf_counter()
-        self.qp = qp = self.qp.with_vectors(q, l, u, lb, ub)
+        self.qp = qp = self.qp.with_vectors(q, l=l, u=u, lb=lb, ub=ub)
         trivial = empty_result(qp)
         if trivial is not None:
             return trivial
@@ -89,17 +90,21 @@ class _PiqpWorkspace:
         )
 
     def _equalities(self) -> NDArray[np.bool_]:
-        return self._kind == EQUALITY
+        rows: NDArray[np.bool_] = self._kind == EQUALITY
+        return rows
 
     def _inequalities(self) -> NDArray[np.bool_]:
-        return self._kind == INEQUALITY
+        rows: NDArray[np.bool_] = self._kind == INEQUALITY
+        return rows
 
     def _read(self, claim: QpStatus, seconds: float) -> QpResult:
         r, y = self._solver.result, np.zeros(self.qp.m)
         y[self._equalities()], y[self._inequalities()] = r.y, r.z_u - r.z_l
         z = r.z_bu - r.z_bl
         word = f"piqp: {r.info.status.name.removeprefix('PIQP_').lower().replace('_', ' ')}"
-        return checked_result(self.qp, claim, r.x.copy(), y, z, r.info.iter, seconds, word, self.settings)
+        return checked_result(
+            self.qp, self.settings, claim, x=r.x.copy(), y=y, z=z, iterations=r.info.iter, seconds=seconds, word=word
+        )
 
 
 NO_ROW, EQUALITY, INEQUALITY = 0, 1, 2

@@ -20,6 +20,7 @@ class QpWorkspace(Protocol):
     def solve(
         self,
         q: Vector | None = None,
+        *,
         l: Vector | None = None,  # noqa: E741
         u: Vector | None = None,
         lb: Vector | None = None,

@@ -1,0 +1,72 @@
+"""``hysdel demo``: ready-made applications."""
+
+from __future__ import annotations
+
+import argparse
+import json
+import sys
+from pathlib import Path
+
+from hysdel_py.cli.output import without_nonfinite
+from hysdel_py.demos.clutch import ClutchDemo, engage
+
+__all__ = ["add_parser"]
+
+_EPILOG = """\
+examples:
+  hysdel demo clutch
+  hysdel demo clutch --horizon 5 --output results
+  hysdel demo clutch --json
+"""
+
+
+def add_parser(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
+    """Add the command."""
+    parser = commands.add_parser(
+        "demo",
+        help="run a ready-made application",
+        description="Run a ready-made application, print its figures, and write a picture and a table.\n"
+        "  clutch   engage a dry clutch by hybrid model predictive control",
+        epilog=_EPILOG,
+        formatter_class=argparse.RawDescriptionHelpFormatter,
+    )
+    parser.add_argument("name", choices=["clutch"], help="which one")
+    parser.add_argument("--horizon", type=int, default=10, metavar="N", help="steps that are planned (default 10)")
+    parser.add_argument("--backend", default="piqp", help="solver of the quadratic programs: piqp (default) or osqp")
+    parser.add_argument("--output", metavar="FOLDER", default="hysdel-demo", help="where the files go")
+    parser.add_argument("--json", action="store_true", help="print the figures as JSON and write no files")
+    parser.set_defaults(run=run)
+
+
+def run(options: argparse.Namespace) -> int:
+    """Run the command; the exit status is 1 if the clutch was not engaged."""
+    progress = _show_progress if sys.stderr.isatty() else None
+    result = engage(horizon=options.horizon, backend=options.backend, progress=progress)
+    if options.json:
+        print(json.dumps(without_nonfinite(result.figures() | {"trajectory": result.trajectory.to_dict()})))
+    else:
+        print(_report(result))
+        print("\n".join(_write_files(result, Path(options.output))))
+    return 0 if result.engaged else 1
+
+
+def _report(result: ClutchDemo) -> str:
+    lines = [f"  {text:<44} {value}" for text, value in result.table()]
+    return "\n".join(["Engagement of a dry clutch by hybrid model predictive control", *lines, *result.messages])
+
+
+def _write_files(result: ClutchDemo, folder: Path) -> list[str]:
+    folder.mkdir(parents=True, exist_ok=True)
+    written = [folder / "clutch.csv"]
+    written[0].write_text(result.trajectory.to_csv(), encoding="utf-8")
+    try:
+        figure = result.plot()
+    except ModuleNotFoundError:
+        return [f"wrote {written[0]}", "no picture: matplotlib is not installed (pip install 'hysdel-py[plot]')"]
+    written.append(folder / "clutch.png")
+    figure.savefig(written[1])
+    return [f"wrote {path}" for path in written]
+
+
+def _show_progress(k: int, steps: int) -> None:
+    print(f"\rstep {k} of at most {steps}", end="\r", file=sys.stderr, flush=True)

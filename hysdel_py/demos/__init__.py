@@ -1,0 +1,1 @@
+"""Ready-made applications: each runs a shipped model in a loop and gathers its figures."""
