@@ -119,7 +119,9 @@ class Search:
 
     def relax(self, box: Box, guess: tuple[Vector, Vector] | None) -> Verdict:
         """Solve the relaxation; the certificates use the implied bounds, the solver only those of the binaries."""
-        return self.solver.verified.solve(self._within(box), (box.lb, box.ub), guess, self._enough_to_branch)
+        return self.solver.verified.solve(
+            self._within(box), (box.lb, box.ub), guess, self._enough_to_branch, thorough=False
+        )
 
     def settle(self, box: Box, guess: tuple[Vector, Vector] | None = None) -> float:
         """Solve with all binaries fixed, keep the point if it is better; return a certified lower bound."""
@@ -258,15 +260,18 @@ class Search:
             self.x, self.objective = point, value
 
     def _enough_to_branch(self, verdict: Verdict) -> bool:
-        return verdict.optimal or self.is_cut_off(verdict.bound)
+        """Whatever its residuals, a feasible point that meets its certified bound is solved."""
+        return verdict.optimal or self.is_cut_off(verdict.bound) or self._meets_its_bound(verdict)
 
     def _enough_to_settle(self, verdict: Verdict) -> bool:
         """A leaf needs a feasible point and a bound that meets it, unless the bound alone cuts it off."""
-        if self.is_cut_off(verdict.bound):
-            return True
-        feasible = verdict.optimal and violation(self.qp, verdict.answer.x) <= self.settings.feasibility
+        return self.is_cut_off(verdict.bound) or self._meets_its_bound(verdict)
+
+    def _meets_its_bound(self, verdict: Verdict) -> bool:
+        if not violation(self.qp, verdict.answer.x) <= self.settings.feasibility:
+            return False
         allowed = max(self.settings.gap_abs, self.settings.gap_rel * abs(verdict.answer.objective))
-        return feasible and verdict.answer.objective - verdict.bound <= allowed
+        return verdict.answer.objective - verdict.bound <= allowed
 
     def _candidates(self, box: Box, x: Vector) -> Iterator[Vector]:
         if self.heuristic is not None:

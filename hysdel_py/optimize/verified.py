@@ -1,13 +1,13 @@
 """Answers to convex quadratic programs that are not taken on trust.
 
 A solver's "optimal" needs small residuals, its "infeasible" needs a ray of Farkas that passes the check, its
-"unbounded" needs a direction. What the first solver cannot settle goes to the other one and then to the linear
-programs of :mod:`hysdel_py.optimize.phase_one`. Whatever happens, there is a valid lower bound.
+"unbounded" needs a direction. What the first solver cannot settle goes to the linear programs of
+:mod:`hysdel_py.optimize.phase_one` and then to the other solver. Whatever happens, there is a valid lower bound.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 from math import inf
 
@@ -83,6 +83,8 @@ class VerifiedSolver:
         box: tuple[Vector, Vector] | None = None,
         guess: tuple[Vector, Vector] | None = None,
         enough: Callable[[Verdict], bool] | None = None,
+        *,
+        thorough: bool = True,
     ) -> Verdict:
         """Solve and verify.
 
@@ -96,23 +98,29 @@ class VerifiedSolver:
             x and y of a similar problem.
         enough : callable, optional
             Whether a verdict needs no second opinion; by default as soon as something is proven or optimal.
+        thorough : bool
+            Whether the other solver is asked although there is a finite bound already.
         """
         judged = qp if box is None else qp.with_vectors(lb=box[0], ub=box[1])
         settled = enough or _settled
-        best: Verdict | None = None
-        for answer in self._opinions(qp, guess):
-            best = _better(best, self._judge(judged, answer))
-            if settled(best) or best.infeasible:
+        best = self._judge(judged, self._ask(self.backend, qp, guess))
+        if settled(best):
+            return best
+        # What a solver cannot settle is most often infeasible by little, which linear programs prove faster than
+        # another solver fails at it.
+        best = self._ask_linear_programs(judged, best)
+        for name in (other for other in BACKENDS if other != self.backend):
+            if settled(best) or best.infeasible or best.unbounded or (best.bound > -inf and not thorough):
                 return best
-        return self._ask_linear_programs(judged, best or _nothing_known(qp))
+            best = _better(best, self._judge(judged, self._ask(name, qp, guess)))
+        return best
 
-    def _opinions(self, qp: Qp, guess: tuple[Vector, Vector] | None) -> Iterator[QpResult]:
-        for name in (self.backend, *(other for other in BACKENDS if other != self.backend)):
-            if name not in self._spaces:
-                self._spaces[name] = get_backend(name, self.settings).workspace(self.qp)
-            self.solves += 1
-            x0, y0 = guess or (None, None)
-            yield self._spaces[name].solve(q=qp.q, l=qp.l, u=qp.u, lb=qp.lb, ub=qp.ub, x0=x0, y0=y0)
+    def _ask(self, name: str, qp: Qp, guess: tuple[Vector, Vector] | None) -> QpResult:
+        if name not in self._spaces:
+            self._spaces[name] = get_backend(name, self.settings).workspace(self.qp)
+        self.solves += 1
+        x0, y0 = guess or (None, None)
+        return self._spaces[name].solve(q=qp.q, l=qp.l, u=qp.u, lb=qp.lb, ub=qp.ub, x0=x0, y0=y0)
 
     def _judge(self, qp: Qp, answer: QpResult) -> Verdict:
         if qp.constant != self.qp.constant:
@@ -175,9 +183,9 @@ def _settled(verdict: Verdict) -> bool:
     return verdict.optimal or verdict.infeasible or verdict.unbounded
 
 
-def _better(old: Verdict | None, new: Verdict) -> Verdict:
+def _better(old: Verdict, new: Verdict) -> Verdict:
     """The answer that says more, with the higher of the two bounds, for both are valid."""
-    if old is None or new.infeasible:
+    if new.infeasible:
         return new
     answer = old.answer if _rank(old) <= _rank(new) else new.answer
     return Verdict(answer, max(old.bound, new.bound))
@@ -186,8 +194,3 @@ def _better(old: Verdict | None, new: Verdict) -> Verdict:
 def _rank(verdict: Verdict) -> float:
     return verdict.answer.primal_residual if verdict.optimal else inf
 
-
-def _nothing_known(qp: Qp) -> Verdict:
-    from hysdel_py.optimize.backends.answer import failed_result
-
-    return Verdict(failed_result(qp, QpStatus.NUMERICAL, "no solver was asked"), -inf)

@@ -8,6 +8,7 @@ from pathlib import Path
 
 from hysdel_py.diagnostics.codes import Code
 from hysdel_py.diagnostics.sink import Sink
+from hysdel_py.errors import ArgumentError
 from hysdel_py.syntax.source import Source
 
 __all__ = ["MAX_CHARACTERS", "is_text", "read_source"]
@@ -32,7 +33,14 @@ def read_source(path_or_text: str | os.PathLike[str], sink: Sink) -> Source:
         The path of a file, or the text of a model.
     sink : Sink
         Receives an error if there is nothing to compile; the returned text is then empty.
+
+    Raises
+    ------
+    ArgumentError
+        The argument is neither a text nor a path.
     """
+    if not isinstance(path_or_text, str | os.PathLike):
+        raise ArgumentError(f"the model is {path_or_text!r:.80}: a path or the text of a model was expected")
     if not str(path_or_text):
         sink.error(Code.UNREADABLE, "the name of the file is empty", help=_WANTED)
         return Source("", "")
@@ -78,12 +86,13 @@ def _decode_with_foreign_comments(path: Path, data: bytes, error: UnicodeDecodeE
 
 
 def _near_misses(path: Path) -> str:
-    if path.is_dir():
-        return "this is a folder; name one of its .hys files"
     with_suffix = path.with_name(path.name + ".hys") if path.name else path
-    if with_suffix.is_file():
-        return f"did you mean {with_suffix}?"
-    return _WANTED
+    try:
+        if path.is_dir():
+            return "this is a folder; name one of its .hys files"
+        return f"did you mean {with_suffix}?" if with_suffix.is_file() else _WANTED
+    except OSError:  # a name that the file system does not allow
+        return _WANTED
 
 
 def _of_sensible_size(source: Source, sink: Sink) -> Source:

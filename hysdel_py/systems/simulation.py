@@ -62,6 +62,8 @@ def simulate(
     SimulationError
         A step is not defined; the message starts with the number of the step.
     """
+    if not 0.0 < ts < np.inf:
+        raise ArgumentError(f"ts is {ts!r}: a positive number was expected")
     state = as_vector(x0, system.x, "state")
     controls = _input_sequence(inputs, system.u)
     steps: list[Step] = []

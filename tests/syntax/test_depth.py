@@ -74,5 +74,5 @@ def test_unclosed_parentheses_are_one_error():
 
 def test_deep_syntax_trees_can_be_dropped():
     """Freeing a deep structure must not overflow the stack of the interpreter either."""
-    loaded = model("LINEAR", f"z = {'-' * (20 * DEPTH)}x;", "REAL z;")
+    loaded = model("LINEAR", f"z = {'-' * (4 * DEPTH)}x;", "REAL z;")
     del loaded

@@ -1,5 +1,7 @@
 """What cannot be read, and what can although it looks odd."""
 
+from pathlib import Path
+
 import pytest
 
 import hysdel_py as hys
@@ -43,8 +45,6 @@ def test_names_that_no_file_can_have(name):
 
 
 def test_empty_path_object_is_the_current_folder(tmp_path, monkeypatch):
-    from pathlib import Path
-
     monkeypatch.chdir(tmp_path)
     assert refused(Path()).code.value == "HYS001"
 
@@ -93,8 +93,8 @@ def test_ten_megabytes_of_code_are_refused_quickly(tmp_path):
     assert str(MAX_CHARACTERS) in diagnostic.message
 
 
-def test_ten_megabytes_of_comments_are_fine(tmp_path):
-    (tmp_path / "talk.hys").write_text("/*" + "talk " * 2_000_000 + "*/" + TEXT)
+def test_comments_do_not_count(tmp_path):
+    (tmp_path / "talk.hys").write_text("/*" + "x" * (MAX_CHARACTERS + 1) + "*/" + TEXT)
     assert hys.load(tmp_path / "talk.hys").name == "small"
 
 
