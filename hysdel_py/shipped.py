@@ -28,7 +28,7 @@ def locate(path_or_text: str | os.PathLike[str]) -> str | os.PathLike[str]:
     known = shipped_models()
     name = path_or_text.removesuffix(".hys")
     try:
-        hidden = Path(path_or_text).exists()
+        hidden = Path(path_or_text).is_file()
     except (OSError, ValueError):
         return path_or_text
     return known[name] if name in known and not hidden else path_or_text

@@ -33,7 +33,7 @@ def check_pair(path: Path) -> str:
         mld = hys.to_mld(model, constants=constants)
         dha = hys.to_dha(model, constants=constants)
     except hys.CompileError as error:
-        assert not expected["accepted"], f"refused, the original accepts it\n{error}"
+        assert not expected["accepted"], f"refused, the original accepts it\n{error}"  # noqa: PT017 -- a verdict
         return "refused, like the original"
     if not expected["accepted"]:
         reasons = extensions(model, constants)
@@ -119,7 +119,7 @@ def compare_samples(dha: hys.Dha, mld: hys.Mld, expected: dict[str, Any]) -> int
             try:
                 result = form.step(sample["x"], sample["u"])
             except hys.SimulationError as error:
-                assert not sample["feasible"], f"{type(form).__name__} refuses the sample {sample}: {error}"
+                assert not sample["feasible"], f"{type(form).__name__} refuses {sample}: {error}"  # noqa: PT017 -- a verdict
                 continue
             assert sample["feasible"], f"{type(form).__name__} accepts the infeasible sample {sample}"
             for ours, key in zip(result, ("xn", "y", "d", "z"), strict=True):

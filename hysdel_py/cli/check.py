@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 import argparse
-import json
 import sys
 from typing import Any
 
 from hysdel_py.cli.arguments import add_model, add_output, load_model
+from hysdel_py.cli.output import print_json
 from hysdel_py.diagnostics.diagnostic import Severity
 from hysdel_py.diagnostics.render import as_data, render
 from hysdel_py.model import Model
@@ -47,7 +47,7 @@ def run(options: argparse.Namespace) -> int:
     found = [d for d in model.diagnostics if d.severity is not Severity.NOTE]
     if options.json:
         source = model.typed.source
-        print(json.dumps(_summary(model, missing) | {"diagnostics": [as_data(d, source) for d in model.diagnostics]}))
+        print_json(_summary(model, missing) | {"diagnostics": [as_data(d, source) for d in model.diagnostics]})
         return 0
     for diagnostic in found:
         print(render(diagnostic, model.typed.source), file=sys.stderr)
@@ -63,7 +63,9 @@ def _summary(model: Model, missing: list[str]) -> dict[str, Any]:
 def _sentence(model: Model, missing: list[str], warnings: int) -> str:
     counted = f", {warnings} warning{'s' * (warnings != 1)}" if warnings else ""
     if missing:
-        return f"{model.typed.source.name}: no mistakes found{counted}; parameters without a value: {', '.join(missing)}"
+        return (
+            f"{model.typed.source.name}: no mistakes found{counted}; parameters without a value: {', '.join(missing)}"
+        )
     m = model.mld
     return (
         f"{model.typed.source.name}: no mistakes found{counted}; {m.nx} states, {m.nu} inputs, {m.ny} outputs, "

@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 import argparse
-import json
 from collections.abc import Iterator
 from pathlib import Path
 
 import numpy as np
 
 from hysdel_py.cli.arguments import add_model, add_output, load_model
+from hysdel_py.cli.output import check_target, print_json
 from hysdel_py.errors import ArgumentError
 from hysdel_py.export.matrices import mld_to_dict, write_json, write_npz
 from hysdel_py.model import to_mld
@@ -38,7 +38,7 @@ def add_parser(commands: argparse._SubParsersAction[argparse.ArgumentParser]) ->
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )
     add_model(parser)
-    parser.add_argument("-o", "--output", metavar="PATH", help="write to a .json or .npz file")
+    parser.add_argument("-o", "--output", metavar="PATH", help="write a .json or .npz file instead of the listing")
     parser.add_argument("--big-m", choices=["interval"], default="interval", help="rule for the big-M constants")
     parser.add_argument(
         "--constants",
@@ -55,11 +55,13 @@ def run(options: argparse.Namespace) -> int:
     writer = {".json": write_json, ".npz": write_npz}.get(Path(options.output).suffix) if options.output else None
     if options.output and writer is None:
         raise ArgumentError(f"--output {options.output}: a name that ends in .json or .npz was expected")
+    if options.output:
+        check_target(Path(options.output), "--output")
     mld = to_mld(load_model(options), big_m=options.big_m, constants=options.constants)
     if writer is not None:
         writer(mld, options.output)
     if options.json:
-        print(json.dumps(mld_to_dict(mld)))
+        print_json(mld_to_dict(mld))
     elif writer is not None:
         print(f"{options.output}: {_sizes(mld)}")
     else:
@@ -79,8 +81,9 @@ def listing(mld: Mld) -> Iterator[str]:
     yield f"{mld.name}: {_sizes(mld)}"
     for key, title in (("x", "states"), ("u", "inputs"), ("y", "outputs"), ("d", "Booleans"), ("z", "reals")):
         for variable in getattr(mld, key):
-            reach = "" if key == "y" else f" in [{variable.low:g}, {variable.high:g}]"
-            yield f"  {title[:-1]:8} {variable.label}{'' if variable.is_bool else reach}  {variable.description}".rstrip()
+            ranged = key != "y" and not variable.is_bool
+            reach = f" in [{variable.low:g}, {variable.high:g}]" if ranged else ""
+            yield f"  {title[:-1]:8} {variable.label}{reach}  {variable.description}".rstrip()
     yield from _equations(mld)
     yield "rows"
     left = np.hstack([mld.E2.toarray(), mld.E3.toarray(), -mld.E1.toarray(), -mld.E4.toarray()])

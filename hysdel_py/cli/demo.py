@@ -3,11 +3,9 @@
 from __future__ import annotations
 
 import argparse
-import json
-import sys
 from pathlib import Path
 
-from hysdel_py.cli.output import without_nonfinite
+from hysdel_py.cli.output import clear_progress, print_json, progress_line
 from hysdel_py.demos.clutch import ClutchDemo, engage
 
 __all__ = ["add_parser"]
@@ -33,20 +31,27 @@ def add_parser(commands: argparse._SubParsersAction[argparse.ArgumentParser]) ->
     parser.add_argument("name", choices=["clutch"], help="which one")
     parser.add_argument("--horizon", type=int, default=10, metavar="N", help="steps that are planned (default 10)")
     parser.add_argument("--backend", default="piqp", help="solver of the quadratic programs: piqp (default) or osqp")
-    parser.add_argument("--output", metavar="FOLDER", default="hysdel-demo", help="where the files go")
+    parser.add_argument("--hard", action="store_true", help="keep the engine-speed limit hard: the loop ends early")
+    parser.add_argument(
+        "--output", metavar="FOLDER", default="hysdel-demo", help="where the files go (default hysdel-demo)"
+    )
     parser.add_argument("--json", action="store_true", help="print the figures as JSON and write no files")
     parser.set_defaults(run=run)
 
 
 def run(options: argparse.Namespace) -> int:
     """Run the command; the exit status is 1 if the clutch was not engaged."""
-    progress = _show_progress if sys.stderr.isatty() else None
-    result = engage(horizon=options.horizon, backend=options.backend, progress=progress)
+    folder = Path(options.output)
+    if not options.json:
+        folder.mkdir(parents=True, exist_ok=True)
+    progress = progress_line(not options.json)
+    result = engage(horizon=options.horizon, backend=options.backend, hard=options.hard, progress=progress)
+    clear_progress(progress)
     if options.json:
-        print(json.dumps(without_nonfinite(result.figures() | {"trajectory": result.trajectory.to_dict()})))
+        print_json(result.figures() | {"trajectory": result.trajectory.to_dict()})
     else:
         print(_report(result))
-        print("\n".join(_write_files(result, Path(options.output))))
+        print("\n".join(_write_files(result, folder)))
     return 0 if result.engaged else 1
 
 
@@ -56,17 +61,12 @@ def _report(result: ClutchDemo) -> str:
 
 
 def _write_files(result: ClutchDemo, folder: Path) -> list[str]:
-    folder.mkdir(parents=True, exist_ok=True)
     written = [folder / "clutch.csv"]
     written[0].write_text(result.trajectory.to_csv(), encoding="utf-8")
     try:
         figure = result.plot()
     except ModuleNotFoundError:
-        return [f"wrote {written[0]}", "no picture: matplotlib is not installed (pip install 'hysdel-py[plot]')"]
+        return [f"wrote {written[0]}", "no picture: matplotlib is not installed (pip install matplotlib)"]
     written.append(folder / "clutch.png")
     figure.savefig(written[1])
     return [f"wrote {path}" for path in written]
-
-
-def _show_progress(k: int, steps: int) -> None:
-    print(f"\rstep {k} of at most {steps}", end="\r", file=sys.stderr, flush=True)

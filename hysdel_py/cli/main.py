@@ -3,14 +3,20 @@
 from __future__ import annotations
 
 import argparse
+import os
 import sys
 from collections.abc import Sequence
+from contextlib import suppress
 
 from hysdel_py.cli import check, compile, demo, mpc, simulate
-from hysdel_py.errors import CompileError, HysdelError
+from hysdel_py.cli.arguments import join_negative_values
+from hysdel_py.cli.output import print_json
+from hysdel_py.errors import ArgumentError, CompileError, HysdelError
 from hysdel_py.version import __version__
 
 __all__ = ["build_parser", "main"]
+
+FINE, MISTAKE, USAGE, FAULT = 0, 1, 2, 3
 
 _DESCRIPTION = "Compile, simulate and control hybrid systems that are written in .hys files."
 _EPILOG = """\
@@ -18,11 +24,13 @@ examples:
   hysdel demo clutch                        engage a dry clutch by hybrid predictive control; writes a picture
   hysdel check model.hys                    find mistakes
   hysdel compile model.hys -o model.json    write the MLD matrices
-  hysdel simulate model.hys --x0 0.5 --steps 20
-  hysdel mpc clutch --help                  control a model in a loop
+  hysdel simulate two_tanks --x0 0.1,0.2 --input 1e-4,1
+  hysdel mpc two_tanks --x0 0.1,0.4 --horizon 6 --weight level2=10 --ref level2=0.3
 
-A shipped model can be named without a path: clutch, two_tanks, two_rooms.
-exit status: 0 fine, 1 the model or the data has a mistake, 2 wrong usage, 3 a fault of this program
+Each command has its own help: hysdel simulate --help
+A shipped model can be named without a path: clutch, two_rooms, two_tanks.
+exit status: 0 fine, 1 the model or the data has a mistake or a run ended early, 2 wrong usage,
+3 a fault of this program
 """
 
 
@@ -35,54 +43,94 @@ def build_parser() -> argparse.ArgumentParser:
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )
     parser.add_argument("--version", action="version", version=f"hysdel_py {__version__}")
-    commands = parser.add_subparsers(dest="command", metavar="COMMAND", required=True)
+    commands = parser.add_subparsers(dest="command", metavar="COMMAND")
     for command in (check, compile, simulate, mpc, demo):
         command.add_parser(commands)
     return parser
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
-    """Run the command line; returns the exit status."""
-    options = build_parser().parse_args(arguments)
+    """Run the command line; returns the exit status.
+
+    Wrong usage that is found while the arguments are read, ``--help`` and ``--version`` end by SystemExit, as usual.
+    """
     try:
-        status: int = options.run(options)
-    except CompileError as error:
-        _report_compile_error(error, as_json=getattr(options, "json", False))
-        return 1
-    except HysdelError as error:
-        return _report(str(error), as_json=getattr(options, "json", False))
-    except OSError as error:
-        return _report(f"{error.filename or 'file'}: {error.strerror or error}", as_json=getattr(options, "json", False))
+        try:
+            return _run(sys.argv[1:] if arguments is None else arguments)
+        finally:
+            sys.stdout.flush()
     except BrokenPipeError:
-        return 0
+        _forget_output()
+        return FINE
+
+
+def _run(arguments: Sequence[str]) -> int:
+    parser = build_parser()
+    options = parser.parse_args(join_negative_values(arguments))
+    if options.command is None:
+        parser.print_help(sys.stderr)
+        print("\nhysdel: error: a COMMAND was expected", file=sys.stderr)
+        return USAGE
+    return _guarded(options)
+
+
+def _guarded(options: argparse.Namespace) -> int:
+    """Run a command; every error becomes a message and an exit status."""
+    status = MISTAKE
+    try:
+        status = options.run(options)
+    except BrokenPipeError:
+        raise
+    except CompileError as error:
+        _report_compile_error(error, options)
+    except ArgumentError as error:
+        _report(str(error), options)
+        print(f"help: hysdel {options.command} --help", file=sys.stderr)
+        status = USAGE
+    except HysdelError as error:
+        _report(str(error), options)
+    except OSError as error:
+        _report(f"{error.filename or 'file'}: {error.strerror or error}", options)
     except KeyboardInterrupt:
         print("interrupted", file=sys.stderr)
-        return 1
     except Exception as error:
-        print(
-            f"hysdel: internal fault, {type(error).__name__}: {error}\n"
-            "This is a mistake of the program, not of the model. Please report it with the model and the command line.",
-            file=sys.stderr,
-        )
-        return 3
+        _report_fault(error)
+        status = FAULT
     return status
 
 
-def _report(message: str, *, as_json: bool) -> int:
-    import json
+def _report_fault(error: Exception) -> None:
+    print(
+        f"hysdel: internal fault, {type(error).__name__}: {error} ({_place(error)})\n"
+        "This is a mistake of the program, not of the model. Please report it with the model and the command line.",
+        file=sys.stderr,
+    )
 
-    if as_json:
-        print(json.dumps({"error": message}))
-    print(f"hysdel: error: {message}", file=sys.stderr)
-    return 1
+
+def _place(error: Exception) -> str:
+    """Where an error was raised, for the report of a fault."""
+    trace = error.__traceback__
+    while trace is not None and trace.tb_next is not None:
+        trace = trace.tb_next
+    return "place unknown" if trace is None else f"{trace.tb_frame.f_globals.get('__name__')}, line {trace.tb_lineno}"
 
 
-def _report_compile_error(error: CompileError, *, as_json: bool) -> None:
-    import json
+def _report(message: str, options: argparse.Namespace) -> None:
+    if getattr(options, "json", False):
+        print_json({"error": message})
+    print(f"hysdel {options.command}: error: {message}", file=sys.stderr)
 
-    if as_json:
-        print(json.dumps({"error": "the model has mistakes", "diagnostics": list(error.data)}))
+
+def _report_compile_error(error: CompileError, options: argparse.Namespace) -> None:
+    if getattr(options, "json", False):
+        print_json({"error": "the model has mistakes", "diagnostics": list(error.data)})
     print(error, file=sys.stderr, end="")
+
+
+def _forget_output() -> None:
+    """Send what is still to be written nowhere: its reader is gone, as in ``hysdel compile clutch | head -1``."""
+    with suppress(OSError, ValueError):
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
 
 
 if __name__ == "__main__":

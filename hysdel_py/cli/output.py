@@ -4,14 +4,72 @@ from __future__ import annotations
 
 import argparse
 import json
+import sys
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
+from hysdel_py.cli.arguments import DataError
+from hysdel_py.errors import ArgumentError
+from hysdel_py.model import Model
 from hysdel_py.systems.trajectory import Trajectory
 
-__all__ = ["emit_trajectory", "table", "without_nonfinite"]
+__all__ = [
+    "add_files", "check_files", "check_target", "clear_progress", "emit_trajectory", "print_json", "progress_line",
+    "table", "without_nonfinite",
+]  # fmt: skip
 
+PICTURES = (".png", ".pdf", ".svg", ".jpg")
 _MAX_LINES = 60
+_CLEAR = "\x1b[K"  # what a terminal takes as: empty the line from here on
+_SAMPLE_TIMES = ("ts", "Ts", "T_s")  # as in Model.sample_time
+
+
+def add_files(parser: argparse.ArgumentParser) -> None:
+    """Add the files that a trajectory can be written to."""
+    parser.add_argument("--csv", metavar="PATH", help="write the whole table to a file")
+    parser.add_argument("--plot", metavar="PATH", help=f"write a picture ({', '.join(PICTURES)}; needs matplotlib)")
+
+
+def check_files(options: argparse.Namespace) -> None:
+    """Find out before a long run whether its files can be written.
+
+    Raises
+    ------
+    ArgumentError
+        There is no such folder, or no such kind of picture.
+    DataError
+        matplotlib is not installed.
+    """
+    for option in ("csv", "plot"):
+        if getattr(options, option):
+            check_target(Path(getattr(options, option)), f"--{option}")
+    if options.plot and Path(options.plot).suffix.lower() not in PICTURES:
+        raise ArgumentError(f"--plot {options.plot}: a name that ends in {', '.join(PICTURES)} was expected")
+    if options.plot and not _has_matplotlib():
+        raise DataError("--plot needs matplotlib, which is not installed: pip install matplotlib")
+
+
+def check_target(path: Path, option: str) -> None:
+    """Refuse a file in a folder that does not exist, and a folder in place of a file."""
+    if not path.parent.is_dir():
+        raise ArgumentError(f"{option} {path}: there is no folder {path.parent}")
+    if path.is_dir():
+        raise ArgumentError(f"{option} {path}: this is a folder, the name of a file was expected")
+
+
+def _has_matplotlib() -> bool:
+    try:
+        import matplotlib.figure  # noqa: F401
+    except ModuleNotFoundError:
+        return False
+    return True
+
+
+def _time_unit(model: Model) -> str:
+    """Unit that the model gives beside its sample time, empty where it gives none."""
+    units = {symbol.name: symbol.unit for symbol in model.typed.symbols if symbol.is_parameter}
+    return next((units[name] for name in _SAMPLE_TIMES if name in units), "")
 
 
 def table(columns: dict[str, Any], max_lines: int = _MAX_LINES) -> str:
@@ -31,6 +89,11 @@ def _cell(value: float) -> str:
     return f"{float(value):.6g}"
 
 
+def print_json(data: Any) -> None:
+    """Print plain data as JSON by the book: infinite numbers and NaN become null."""
+    print(json.dumps(without_nonfinite(data), allow_nan=False))
+
+
 def without_nonfinite(data: Any) -> Any:
     """Plain data with null in place of infinite numbers and NaN, which JSON does not have."""
     if isinstance(data, dict):
@@ -42,15 +105,28 @@ def without_nonfinite(data: Any) -> Any:
     return data
 
 
-def emit_trajectory(trajectory: Trajectory, options: argparse.Namespace) -> None:
+def emit_trajectory(trajectory: Trajectory, model: Model, options: argparse.Namespace) -> None:
     """Write what the options ask for: JSON or a table on the screen, a CSV file, a picture."""
     if options.csv:
         Path(options.csv).write_text(trajectory.to_csv(), encoding="utf-8")
     if options.plot:
-        trajectory.plot().savefig(options.plot)
+        trajectory.plot(time_unit=_time_unit(model)).savefig(options.plot)
     if options.json:
-        print(json.dumps(without_nonfinite(trajectory.to_dict())))
+        print_json(trajectory.to_dict())
         return
     print(table(trajectory.columns()))
     for message in trajectory.messages:
         print(message)
+
+
+def progress_line(enabled: bool) -> Callable[[int, int], None] | None:
+    """A report of each step on one line of a terminal; None if there is no terminal to write to."""
+    if not enabled or not sys.stderr.isatty():
+        return None
+    return lambda k, steps: print(f"\r{_CLEAR}step {k} of at most {steps}", end="", file=sys.stderr, flush=True)
+
+
+def clear_progress(progress: Callable[[int, int], None] | None) -> None:
+    """Take the line of the progress away again."""
+    if progress is not None:
+        print(f"\r{_CLEAR}", end="", file=sys.stderr, flush=True)

@@ -29,7 +29,7 @@ from hysdel_py.systems.mld import Mld
 from hysdel_py.systems.signals import as_vector
 
 if TYPE_CHECKING:
-    from hysdel_py.optimize.miqp import MiqpResult, MiqpSettings, MiqpSolver
+    from hysdel_py.optimize.miqp import Miqp, MiqpResult, MiqpSettings, MiqpSolver
 
 __all__ = ["HybridMpc", "Move", "MoveStatus"]
 
@@ -108,7 +108,9 @@ class HybridMpc:
         self.sample_time: float = getattr(model, "sample_time", 1.0)
         self._progress = progress
         self._step = choose_step(model, self.mld)
-        self._solver = _solver(self.formulation, _settings(backend, time_limit, node_limit, gap_rel, gap_abs))
+        limits_of_search = {"time_limit": time_limit, "node_limit": node_limit}
+        settings = _settings(backend, limits_of_search, gap_rel, gap_abs, tolerances.feasibility)
+        self._solver = _solver(self.formulation, settings)
         self._plan: Plan | None = None
 
     def reset(self) -> None:
@@ -152,6 +154,19 @@ class HybridMpc:
         )
         self._plan = plan
         return replace(move, seconds=time.perf_counter() - begin)
+
+    def problem(self, x: ArrayLike | Mapping[str, float], ref: Reference = None) -> Miqp:
+        """Return the mixed-integer program of one call, to study it or to hand it to another solver.
+
+        Parameters and errors are those of :meth:`solve`. The cost includes the constant, so that its value is that of
+        ``Move.cost``; the state is not moved onto its range.
+        """
+        from hysdel_py.optimize.miqp import Miqp
+
+        vectors = self.formulation.vectors(as_vector(x, self.mld.x, "state"), self.references.table(ref))
+        program = self._solver.miqp
+        qp = program.qp.with_vectors(vectors.q, l=vectors.l, u=vectors.u, constant=vectors.constant)
+        return Miqp(qp, program.binaries, priorities=program.priorities, drivers=program.drivers)
 
     def _search(self, vectors: Vectors, x0: Matrix, warm: bool) -> MiqpResult:
         return self._solver.solve(
@@ -202,12 +217,12 @@ def _checked(value: Any, kind: type[T], what: str) -> T:
 
 
 def _settings(
-    backend: str, time_limit: float | None, node_limit: int | None, gap_rel: float, gap_abs: float
+    backend: str, limits: Mapping[str, float | None], gap_rel: float, gap_abs: float, feasibility: float
 ) -> MiqpSettings:
     from hysdel_py.optimize.miqp import MiqpSettings
 
-    given: dict[str, Any] = {"time_limit": time_limit, "node_limit": node_limit, "gap_rel": gap_rel, "gap_abs": gap_abs}
-    return MiqpSettings(backend=backend, **{name: value for name, value in given.items() if value is not None})
+    given: dict[str, Any] = {name: value for name, value in limits.items() if value is not None}
+    return MiqpSettings(backend=backend, gap_rel=gap_rel, gap_abs=gap_abs, feasibility=feasibility, **given)
 
 
 def _solver(formulation: Formulation, settings: MiqpSettings) -> MiqpSolver:

@@ -20,12 +20,17 @@ class ControlTolerances:
     residual : float
         Largest violation of a row of the prediction, relative to the size of its terms and at least absolute, with
         which a plan is still accepted.
+    feasibility : float
+        A plan may violate a row or bound by this much. Less than half of 1e-6, the usual gap between the two sides of a
+        threshold, so that no plan passes for both; looser than the solver's own default, because an interior-point
+        solution of a program whose cost is in the hundred thousands is no better.
     definite : float
         A weight matrix counts as positive semidefinite, and as symmetric, up to this much of its largest entry.
     """
 
     measured: float = 1e-6
     residual: float = 1e-5
+    feasibility: float = 4e-7
     definite: float = 1e-9
 
 

@@ -1,1 +1,1 @@
-
+"""Typed model to Dha, Dha to Mld."""

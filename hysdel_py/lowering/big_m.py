@@ -67,7 +67,7 @@ class Ranges:
         if limits[0] < low - slack or limits[1] > high + slack:
             self._sink.warning(
                 Code.LOOSE_TRIPLE,
-                f"the stated range [{limits[0]:g}, {limits[1]:g}] is wider than [{low:g}, {high:g}], the range of {form}",
+                f"the stated range [{limits[0]:g}, {limits[1]:g}] is wider than [{low:g}, {high:g}] of {form}",
                 Span(origin.start, origin.end),
                 help="tighter ranges give tighter relaxations; without [min, max, epsilon] they are computed",
             )

@@ -4,8 +4,10 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+import numpy as np
+
 from hysdel_py.plotting.style import COLOURS, LIMIT, MUTED, finish, new_figure
-from hysdel_py.plotting.trajectory import draw_modes
+from hysdel_py.plotting.trajectory import draw_held, draw_modes
 from hysdel_py.systems.trajectory import Trajectory
 
 if TYPE_CHECKING:
@@ -55,14 +57,16 @@ def _draw_speeds(axes: Axes, trajectory: Trajectory, floor: float, reference: fl
 
 
 def _draw_torques(axes: Axes, trajectory: Trajectory) -> None:
-    t = trajectory.t[:-1]
-    axes.plot(trajectory.t, trajectory["Te"], color=COLOURS[0], label="engine torque [Nm]")
-    axes.plot(trajectory.t, trajectory["Fn"], color=COLOURS[3], label="normal force [N]")
-    axes.plot(t, trajectory["Tcl"], color=COLOURS[1], linestyle="--", label="clutch torque [Nm]")
-    finish(axes, "torque, force")
+    axes.plot(trajectory.t, trajectory["Te"], color=COLOURS[0], label="engine torque")
+    axes.plot(trajectory.t, trajectory["Fn"], color=COLOURS[3], label="normal force")
+    draw_held(axes, trajectory.t, trajectory["Tcl"], color=COLOURS[1], linestyle="--", label="clutch torque")
+    finish(axes, "torque [Nm], force [N]")
 
 
 def _draw_solve_times(axes: Axes, trajectory: Trajectory) -> None:
-    milliseconds = 1e3 * trajectory.info["seconds"]
-    axes.semilogy(trajectory.t[:-1], milliseconds.clip(min=1e-3), color=COLOURS[6], linewidth=1.0, drawstyle="steps-post")
+    """Only those of the predictive controller: other laws leave no status."""
+    planned = np.isfinite(trajectory.info["status"])
+    milliseconds = np.where(planned, 1e3 * trajectory.info["seconds"], np.nan)
+    draw_held(axes, trajectory.t, milliseconds, color=COLOURS[6], linewidth=1.0)
+    axes.set_yscale("log")
     finish(axes, "solve time [ms]", legend=False)

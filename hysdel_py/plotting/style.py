@@ -8,10 +8,11 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-__all__ = ["COLOURS", "LIMIT", "MUTED", "finish", "new_figure"]
+__all__ = ["COLOURS", "LIMIT", "LINES", "MUTED", "finish", "new_figure"]
 
 # Okabe and Ito, "Color universal design", 2008.
 COLOURS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9", "#000000")
+LINES = ("-", "--", ":")  # for the first, second and third round of colours
 LIMIT = "#B22222"
 MUTED = "#777777"
 
@@ -35,6 +36,7 @@ def finish(axes: Axes, label: str, *, legend: bool = True) -> None:
     """Label, grid and legend of a panel."""
     axes.set_ylabel(label)
     axes.grid(visible=True, color="#dddddd", linewidth=0.6)
+    axes.set_axisbelow(True)
     axes.spines[["top", "right"]].set_visible(False)
     axes.margins(x=0.01)
     handles, names = axes.get_legend_handles_labels()

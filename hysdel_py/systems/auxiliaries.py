@@ -181,13 +181,40 @@ class AuxiliarySolver:
         low, high = np.array(box.low), np.array(box.high)
         low[~self._influential] = high[~self._influential] = 0.0
         nd = self._mld.nd
-        open_columns = [i for i in range(nd, len(low)) if not high[i] - low[i] <= self._unique * (1.0 + abs(low[i]))]
+        # An interval that the slack of the rows alone can open is closed; polishing takes the slack out again.
+        width = self._unique * (1.0 + np.minimum(abs(low), abs(high))) + 2.0 * sum(slack)
+        open_columns = [i for i in range(nd, len(low)) if np.isinf(width[i]) or high[i] - low[i] > width[i]]
         if not open_columns:
             point = (low + high) / 2.0
             if (self._matrix @ point <= np.array(right) + 4.0 * np.array(slack)).all():
-                yield point
+                yield self._polished(point, right, slack)
             return
         yield from self._extreme_points(open_columns, low, high, np.array(right))
+
+    def _polished(self, point: Vector, right: list[float], slack: list[float]) -> Vector:
+        """Take the slack out again: each real auxiliary to what the rows of its definition say at the other values."""
+        polished = point.copy()
+        for _ in range(self._mld.nz):  # as many sweeps as a chain of definitions may be long
+            before = polished.copy()
+            for column in range(self._mld.nd, len(point)):
+                low, high = self._limits(column, polished, right)
+                if np.isfinite(high - low):
+                    polished[column] = (low + high) / 2.0
+            if (polished == before).all():
+                break
+        return polished if (self._matrix @ polished <= np.array(right) + np.array(slack)).all() else point
+
+    def _limits(self, column: int, point: Vector, right: list[float]) -> tuple[float, float]:
+        """Range of a column by the rows of its own definition; rows that only read it would push it elsewhere."""
+        low, high = -np.inf, np.inf
+        name = self._mld.z[column - self._mld.nd].name
+        for index in self._rows_of[column]:
+            if self._mld.rows[index].defines != name:
+                continue
+            own = next(a for c, a in self._rows[index] if c == column)
+            limit = (right[index] - sum(a * point[c] for c, a in self._rows[index] if c != column)) / own
+            low, high = (low, min(high, limit)) if own > 0 else (max(low, limit), high)
+        return low, high
 
     def _extreme_points(self, columns: list[int], low: Vector, high: Vector, right: Vector) -> Iterator[Vector]:
         from scipy.optimize import linprog

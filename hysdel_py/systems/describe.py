@@ -67,9 +67,7 @@ def _terms(row: Matrix, variables: Sequence[Variable]) -> tuple[tuple[str, float
     return tuple((v.name, float(value)) for v, value in zip(variables, row, strict=True) if value)
 
 
-def _equation_lines(
-    names: list[str], mld: Mld, blocks: tuple[Matrix, ...], constants: Matrix
-) -> list[str]:
+def _equation_lines(names: list[str], mld: Mld, blocks: tuple[Matrix, ...], constants: Matrix) -> list[str]:
     groups = (mld.x, mld.u, mld.d, mld.z)
     lines = []
     for index, name in enumerate(names):

@@ -8,7 +8,7 @@ meaning of a model: no big-M constant and no epsilon takes part in it.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
 from graphlib import CycleError, TopologicalSorter
@@ -306,6 +306,3 @@ def _stated_limits(items: tuple[DhaItem, ...]) -> list[tuple[Affine, Interval, O
 
 def _gather(values: Mapping[str, float], variables: tuple[Variable, ...]) -> Vector:
     return np.array([values[v.name] for v in variables], dtype=float)
-
-
-Step = Callable[..., tuple[Vector, Vector, Vector, Vector]]

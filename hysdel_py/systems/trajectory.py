@@ -69,15 +69,23 @@ class Trajectory:
     def __getitem__(self, name: str) -> Matrix:
         """Column of one variable by name.
 
-        A name that stands for a state and an output gives the state, which has one sample more.
+        A name that stands for a state and an output gives the state, which has one sample more; the letter of a vector
+        in front, as in ``y.level``, tells them apart.
+
+        Raises
+        ------
+        ArgumentError
+            There is no such signal; the message lists those that there are.
         """
+        vector, dot, own = name.partition(".")
         for key, group in self.variables.items():
             for column, variable in enumerate(group):
-                if variable.name == name:
+                if variable.name == name or (dot and key == vector and variable.name == own):
                     values: Matrix = getattr(self, key)[:, column]
                     return values
-        if name in self.info:
-            return self.info[name]
+        added = name.removeprefix("info.")
+        if added in self.info:
+            return self.info[added]
         raise ArgumentError(f"the trajectory has no signal {name}: it has {', '.join(self._all_names())}")
 
     def _all_names(self) -> Iterator[str]:
@@ -86,7 +94,10 @@ class Trajectory:
         yield from self.info
 
     def columns(self) -> dict[str, Matrix]:
-        """All signals by name, cut to the N steps; a name used twice gets its vector's letter, as in ``x.level``."""
+        """All signals by name, cut to the N steps.
+
+        A name used twice gets the letter of its vector, as in ``x.level``, and what the controller added gets ``info``.
+        """
         groups = [
             (key, v.name, getattr(self, key)[: self.steps, i])
             for key, group in self.variables.items()
@@ -96,7 +107,7 @@ class Trajectory:
         table = {"t": self.t[: self.steps]}
         for key, name, values in groups:
             table[name if names.count(name) == 1 and name != "t" else f"{key}.{name}"] = values
-        return {**table, **self.info}
+        return table | {name if name not in table else f"info.{name}": values for name, values in self.info.items()}
 
     def to_dict(self) -> dict[str, Any]:
         """Plain lists, ready for JSON."""
@@ -121,8 +132,16 @@ class Trajectory:
         columns = self.columns()
         return pd.DataFrame(columns).set_index("t")
 
-    def plot(self, *names: str) -> Figure:
-        """Draw the named signals, all states, inputs and outputs by default (matplotlib has to be installed)."""
+    def plot(self, *names: str, time_unit: str = "") -> Figure:
+        """Draw the named signals, all states, inputs and outputs by default (matplotlib has to be installed).
+
+        Parameters
+        ----------
+        *names : str
+            Signals to draw, named as in :meth:`columns`.
+        time_unit : str
+            Unit of the times; without one the axis counts steps where the times are whole steps, and seconds elsewhere.
+        """
         from hysdel_py.plotting.trajectory import plot_trajectory
 
-        return plot_trajectory(self, names)
+        return plot_trajectory(self, names, time_unit)

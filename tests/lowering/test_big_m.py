@@ -8,7 +8,7 @@ from hypothesis import strategies as st
 import hysdel_py as hys
 from hysdel_py.systems.affine import Affine
 
-NUMBER = st.floats(-100, 100, allow_nan=False).map(lambda v: round(v, 3))
+NUMBER = st.floats(-100, 100, allow_nan=False).map(lambda v: round(v, 3) + 0.0)
 
 
 @st.composite

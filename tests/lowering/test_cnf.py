@@ -83,9 +83,9 @@ def test_literal_text():
 
 
 def test_explosion_is_refused():
-    terms = []
-    for i in range(40):
-        terms += [f"p{i}", f"q{i}", AND, *([OR] if i else [])]
+    def conjunction(letter):
+        return (f"{letter}0", *(entry for i in range(1, 200) for entry in (f"{letter}{i}", AND)))
+
     with pytest.raises(TooManyClauses):
-        cnf(Formula(tuple(terms)))
+        cnf(Formula((*conjunction("p"), *conjunction("q"), OR)))
     assert MAX_CLAUSES >= 1024

@@ -12,7 +12,7 @@ import hysdel_py as hys
 from hysdel_py.systems.dha import Event
 
 POINTS_PER_MODEL = 12
-AGREEMENT = 1e-7
+AGREEMENT = 1e-10
 
 
 def random_point(variables, generator):
@@ -40,25 +40,25 @@ def compare(dha, mld, x, u):
     try:
         expected = dha.step(x, u)
     except hys.SimulationError as error:
-        assert all("MUST" in problem for problem in error.problems), error
+        assert all("MUST" in problem for problem in error.problems), error  # noqa: PT017 -- one of two verdicts
         with pytest.raises(hys.SimulationError):
             mld.step(x, u)
         return "must"
-    x1, y, d, z = expected
+    _, _, d, z = expected
     values = {v.name: value for group, vector in ((dha.x, x), (dha.u, u), (dha.d, d), (dha.z, z))
               for v, value in zip(group, vector, strict=True)}  # fmt: skip
     try:
         found = mld.step(x, u)
     except hys.SimulationError as error:
-        assert "unique" not in str(error)
-        assert least_gap(dha, values) < 1.0, f"infeasible away from every threshold: {error}"
+        in_a_gap = least_gap(dha, values) < 1.0 and "unique" not in str(error)
+        assert in_a_gap, f"infeasible away from every threshold: {error}"  # noqa: PT017 -- the other verdict
         return "gap"
     for ours, theirs in zip(found, expected, strict=True):
         np.testing.assert_allclose(ours, theirs, atol=AGREEMENT, rtol=AGREEMENT)
     return "equal"
 
 
-@settings(max_examples=120, deadline=None, suppress_health_check=list(HealthCheck), derandomize=True)
+@settings(max_examples=250, deadline=None, suppress_health_check=list(HealthCheck), derandomize=True)
 @given(models(), st.integers(0, 2**32 - 1))
 def test_random_models(text, seed):
     model = hys.load(text)

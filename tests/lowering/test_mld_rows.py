@@ -102,7 +102,7 @@ def test_forbidden_constants_are_found_by_form(text):
 
 @pytest.mark.parametrize("options", [{"big_m": "loose"}, {"constants": "no"}, {"big_m": None}])
 def test_unknown_option(options):
-    with pytest.raises(hys.ArgumentError, match="one of '.*' was expected"):
+    with pytest.raises(hys.ArgumentError, match=r"one of '.*' was expected"):
         hys.to_mld(load(""), **options)
 
 
@@ -120,7 +120,10 @@ def test_model_too_large_for_dense_matrices_is_refused():
         _ = hys.load(text).mld
 
 
-def test_every_item_after_every_other_keeps_its_line():
-    mld = hys.load("SYSTEM s {\nINTERFACE { STATE { REAL x [0, 1]; } }\nIMPLEMENTATION {\nAUX { BOOL d; }\nAD {\nd =\nx <= 0.5;\n}\n} }").mld
+def test_an_item_over_several_lines_has_the_line_of_its_first_token():
+    mld = hys.load(
+        "SYSTEM s {\nINTERFACE { STATE { REAL x [0, 1]; } }\n"
+        "IMPLEMENTATION {\nAUX { BOOL d; }\nAD {\nd =\nx <= 0.5;\n}\n} }"
+    ).mld
     assert {row.line for row in mld.rows} == {6}
     assert {row.text for row in mld.rows} == {"d = x <= 0.5"}

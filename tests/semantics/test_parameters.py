@@ -44,7 +44,7 @@ def test_unknown_name_lists_the_known_ones():
 
 @pytest.mark.parametrize("value", [math.nan, "much", None, [1, 2], 1j])
 def test_real_value_that_is_no_number(value):
-    with pytest.raises(hys.CompileError, match="parameter a was given .* a number was expected") as caught:
+    with pytest.raises(hys.CompileError, match=r"parameter a was given .* a number was expected") as caught:
         hys.load(TEXT, a=value)
     assert codes(caught) == ["HYS207"]
 
@@ -96,5 +96,5 @@ def test_constant_arithmetic(text, value):
 
 def test_circle_is_named():
     text = "SYSTEM p { INTERFACE { PARAMETER { REAL a = b, b = a; } } IMPLEMENTATION { } }"
-    with pytest.raises(hys.CompileError, match="a -> b -> a|b -> a -> b"):
+    with pytest.raises(hys.CompileError, match=r"a -> b -> a|b -> a -> b"):
         hys.load(text)

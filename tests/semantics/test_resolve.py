@@ -16,7 +16,9 @@ def names(variables):
 
 
 def test_reals_come_before_booleans_across_sections():
-    model = load("STATE { BOOL b; REAL x [0, 1]; } INPUT { BOOL v; } STATE { BOOL c; REAL w [0, 1]; } INPUT { REAL u [0, 1]; }")
+    model = load(
+        "STATE { BOOL b; REAL x [0, 1]; } INPUT { BOOL v; } STATE { BOOL c; REAL w [0, 1]; } INPUT { REAL u [0, 1]; }"
+    )
     assert names(model.dha.x) == ["x", "w", "b", "c"]
     assert names(model.dha.u) == ["u", "v"]
     assert names(model.typed.select(Role.STATE)) == ["b", "x", "c", "w"]
@@ -41,7 +43,9 @@ def test_unit_comments(comment, unit, description):
 
 
 def test_case_matters_and_ordinary_words_are_names():
-    model = load("STATE { REAL min [0, 1], Min [0, 1], inf [0, 1], if [0, 1], e [0, 1]; }", "CONTINUOUS { min = Min + 1e0*e; }")
+    model = load(
+        "STATE { REAL min [0, 1], Min [0, 1], inf [0, 1], if [0, 1], e [0, 1]; }", "CONTINUOUS { min = Min + 1e0*e; }"
+    )
     assert names(model.dha.x) == ["min", "Min", "inf", "if", "e"]
 
 
@@ -61,7 +65,9 @@ def test_all_errors_of_a_file_are_reported_once_each_in_order():
     assert len(caught.value.diagnostics) == 4
 
 
-@pytest.mark.parametrize("affine", ["x - x", "0*x", "x*(2 - 2)", "2*(x + 1)*3/4", "(x + u)/2", "-(-x)", "x*2^3", "sin(1)*x"])
+@pytest.mark.parametrize(
+    "affine", ["x - x", "0*x", "x*(2 - 2)", "2*(x + 1)*3/4", "(x + u)/2", "-(-x)", "x*2^3", "sin(1)*x"]
+)
 def test_affine_is_a_matter_of_form(affine):
     load("STATE { REAL x [0, 1]; } INPUT { REAL u [0, 1]; }", f"CONTINUOUS {{ x = {affine}; }}")
 
@@ -79,7 +85,9 @@ def test_a_state_may_be_its_own_predecessor_but_not_an_auxiliary():
 
 
 def test_redeclared_epsilon_as_variable_is_fine_without_thresholds():
-    assert names(load("STATE { REAL MLD_epsilon [0, 1]; }", "CONTINUOUS { MLD_epsilon = 0*MLD_epsilon; }").dha.x) == ["MLD_epsilon"]
+    assert names(load("STATE { REAL MLD_epsilon [0, 1]; }", "CONTINUOUS { MLD_epsilon = 0*MLD_epsilon; }").dha.x) == [
+        "MLD_epsilon"
+    ]
 
 
 def test_warnings_do_not_stop():
@@ -91,7 +99,9 @@ def test_warnings_do_not_stop():
 
 
 def test_diagnostics_of_later_stages_join_once_they_ran():
-    model = load("STATE { REAL x [0, 1]; }", "AUX { BOOL d; } AD { d = x <= 0 [-9, 9, 1e-6]; } CONTINUOUS { x = (REAL d); }")
+    model = load(
+        "STATE { REAL x [0, 1]; }", "AUX { BOOL d; } AD { d = x <= 0 [-9, 9, 1e-6]; } CONTINUOUS { x = (REAL d); }"
+    )
     assert model.diagnostics == ()
     _ = model.mld
     assert [d.code.value for d in model.diagnostics] == ["HYS504"]
