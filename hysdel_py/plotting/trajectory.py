@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -87,7 +87,7 @@ def draw_signal(axes: Axes, trajectory: Trajectory, key: str, variable: Variable
         draw_held(axes, trajectory.t, values, linestyle=dashes, color=colour, linewidth=1.5, label=variable.name)
 
 
-def draw_held(axes: Axes, times: Vector, values: Vector, **style: object) -> None:
+def draw_held(axes: Axes, times: Vector, values: Vector, **style: Any) -> None:
     """Draw N values that are held between N+1 times, each over its whole step."""
     held = np.append(values, values[-1:])
     axes.plot(times[: len(held)], held, drawstyle="steps-post", **style)

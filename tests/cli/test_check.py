@@ -1,0 +1,68 @@
+"""``hysdel check``: sizes, warnings, mistakes, missing parameters."""
+
+import pytest
+
+SIZES = {"nx": 2, "nu": 2, "ny": 1, "nd": 0, "nz": 1, "ne": 4}
+
+
+def test_sound_model(hysdel):
+    shown = hysdel("check", "tank.hys")
+    expected = "tank.hys: no mistakes found; 2 states, 2 inputs, 1 outputs, 0 Boolean and 1 real auxiliaries, 4 rows\n"
+    assert (shown.status, shown.out, shown.err) == (0, expected, "")
+
+
+def test_sizes_as_json(hysdel):
+    data = hysdel("check", "tank.hys", "--json").json
+    assert data == {"name": "tank", "file": "tank.hys", "missing_parameters": [], **SIZES, "diagnostics": []}
+
+
+def test_parameters_in_one_option_and_in_several(hysdel):
+    assert hysdel("check", "tank.hys", "--param", "gain=2", "--param", "ts=-1").status == 0
+    assert hysdel("check", "tank.hys", "--param", "gain=2, ts=1").status == 0
+
+
+@pytest.fixture
+def without_value(tmp_path):
+    path = tmp_path / "open.hys"
+    path.write_text((tmp_path / "tank.hys").read_text().replace("gain = 1", "gain"), encoding="utf-8")
+    return path
+
+
+def test_missing_parameter_does_not_fail(hysdel, without_value):
+    shown = hysdel("check", without_value)
+    assert shown.status == 0
+    assert "no mistakes found; parameters without a value: gain" in shown.out
+    data = hysdel("check", without_value, "--json").json
+    assert data["missing_parameters"] == ["gain"]
+    assert "ne" not in data
+    assert hysdel("check", without_value, "--param", "gain=3", "--json").json["ne"] == 4
+
+
+def test_missing_parameter_fails_where_it_is_needed(hysdel, without_value):
+    shown = hysdel("compile", without_value)
+    assert shown.status == 1
+    assert "gain" in shown.err
+
+
+def test_mistakes_are_shown_with_their_place(hysdel, tmp_path):
+    path = tmp_path / "bad.hys"
+    path.write_text((tmp_path / "tank.hys").read_text().replace("level + inflow", "level + infow"), encoding="utf-8")
+    shown = hysdel("check", path)
+    assert shown.status == 1
+    assert "error[HYS" in shown.err
+    assert "--> bad.hys:12:34" in shown.err
+    assert "^^^^^" in shown.err
+    data = hysdel("check", path, "--json")
+    assert data.status == 1
+    found = data.json["diagnostics"][0]
+    assert (found["severity"], found["file"], found["line"], found["column"]) == ("error", "bad.hys", 12, 34)
+
+
+def test_warnings_are_counted_and_do_not_fail(hysdel, tmp_path):
+    path = tmp_path / "idle.hys"
+    path.write_text((tmp_path / "tank.hys").read_text().replace("REAL inflow;", "REAL inflow, idle;"), encoding="utf-8")
+    shown = hysdel("check", path)
+    assert shown.status == 0
+    assert "no mistakes found, 1 warning;" in shown.out
+    assert shown.err.startswith("warning[HYS")
+    assert "idle" in shown.err

@@ -1,0 +1,81 @@
+"""``hysdel compile``: the listing and the files."""
+
+import json
+
+import numpy as np
+import pytest
+
+import hysdel_py as hys
+from hysdel_py.export.matrices import mld_to_dict
+
+
+def test_listing_has_every_variable_equation_and_row(hysdel):
+    lines = hysdel("compile", "tank.hys").out.splitlines()
+    assert lines[0] == "tank: 2 states, 2 inputs, 1 outputs, 0 Boolean and 1 real auxiliaries, 4 rows"
+    assert "  state    level [m] in [-5, 10]  level of the water" in lines
+    assert "  input    open" in lines
+    assert "  output   y [m]  what is measured" in lines
+    assert "  level+ = level + inflow" in lines
+    assert "  was_open+ = open" in lines
+    assert "  y = level" in lines
+    assert len(lines) - lines.index("rows") - 1 == 4
+    assert all("[DA" in line and "line 11]" in line for line in lines[lines.index("rows") + 1 :])
+
+
+def test_listing_tells_the_rows_as_they_are(hysdel):
+    """``inflow - open <= 0`` and the like: M of flow in [-1, 1] is 1 on both sides."""
+    rows = [line.split("    [")[0].strip() for line in hysdel("compile", "tank.hys").out.splitlines()[-4:]]
+    assert set(rows) == {
+        "inflow - open <= 0",
+        "-inflow - open <= 0",
+        "inflow - flow + open <= 1",
+        "-inflow + flow + open <= 1",
+    }
+
+
+def test_json_file_and_json_on_the_screen_are_the_same(hysdel, tmp_path):
+    shown = hysdel("compile", "tank.hys", "-o", "tank.json")
+    assert (shown.status, shown.err) == (0, "")
+    assert shown.out.startswith("tank.json: 2 states")
+    data = json.loads((tmp_path / "tank.json").read_text(encoding="utf-8"))
+    assert data == hysdel("compile", "tank.hys", "--json").json
+    assert data == mld_to_dict(hys.load(tmp_path / "tank.hys").mld)
+
+
+def test_npz_file(hysdel, tmp_path):
+    assert hysdel("compile", "tank.hys", "--output", "tank.npz", "--param", "gain=3").status == 0
+    mld = hys.load(tmp_path / "tank.hys", gain=3).mld
+    with np.load(tmp_path / "tank.npz") as data:
+        assert (data["E1"] == mld.E1.toarray()).all()
+        assert data["names_u"].tolist() == ["flow", "open"]
+
+
+@pytest.mark.parametrize(
+    ("path", "words"),
+    [
+        ("tank.txt", "--output tank.txt: a name that ends in .json or .npz was expected"),
+        ("tank", "a name that ends in .json or .npz was expected"),
+        ("nowhere/tank.json", "--output nowhere/tank.json: there is no folder nowhere"),
+        ("folder.json", "--output folder.json: this is a folder"),
+    ],
+)
+def test_files_that_cannot_be_written(hysdel, tmp_path, path, words):
+    (tmp_path / "folder.json").mkdir()
+    shown = hysdel("compile", "tank.hys", "-o", path)
+    assert shown.status == 2
+    assert words in shown.err
+    assert not (tmp_path / "tank.txt").exists()
+
+
+def test_constant_terms_as_auxiliaries(hysdel, tmp_path):
+    path = tmp_path / "leak.hys"
+    path.write_text((tmp_path / "tank.hys").read_text().replace("level + inflow;", "level + inflow - 0.5;"))
+    assert "level+ = level + inflow - 0.5" in hysdel("compile", path).out
+    assert "0 Boolean and 2 real auxiliaries" in hysdel("compile", path, "--constants", "aux").out
+    assert hysdel("compile", path, "--constants", "forbid").status == 1
+
+
+def test_model_without_rows(hysdel, tmp_path):
+    path = tmp_path / "free.hys"
+    path.write_text("SYSTEM s { INTERFACE { STATE { REAL x [0, 1]; } } IMPLEMENTATION { CONTINUOUS { x = x; } } }")
+    assert hysdel("compile", path).out.splitlines()[0].endswith("0 rows")
