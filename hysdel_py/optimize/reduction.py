@@ -2,8 +2,9 @@
 
 In a node of a branch and bound most binaries are fixed, and with them pairs of big-M rows close on each other:
 ``z <= f`` and ``z >= f`` remain of a switch. Together they leave no interior, which an interior-point method needs, so
-that it stalls on exactly the problems that are nearly decided. Here fixed variables are put in, parallel rows are merged
-to one row with two sides, and a row whose sides meet becomes an equality. The answer is brought back to the full problem.
+that it stalls on exactly the problems that are nearly decided. Here fixed variables are put in, parallel rows are
+merged to one row with two sides, and a row whose sides meet becomes an equality. The answer is brought back to the full
+problem.
 
 Parallel rows are found by their products with random vectors: the ratios of such products do not depend on the scale
 of a row. A false match would give a wrong reduced problem, whose answer the certificates of the full problem refuse.
