@@ -93,7 +93,9 @@ def test_unit_of_the_times(reals, unit, label):
 
 
 def test_steps_without_a_sample_time(booleans):
-    assert booleans.plot().axes[-1].get_xlabel() == "step"
+    axes = booleans.plot().axes[-1]
+    assert axes.get_xlabel() == "step"
+    assert all(tick == round(tick) for tick in axes.get_xticks()), "there is no half step"
 
 
 def test_command_line_takes_the_unit_from_the_model(tmp_path, monkeypatch):
@@ -238,6 +240,8 @@ def test_engagement(engagement):
     assert legend(torques) == ["engine torque", "normal force", "clutch torque"]
     assert times.get_ylabel() == "solve time [ms]"
     assert times.get_yscale() == "log"
+    figure.canvas.draw()
+    assert {text.get_text() for text in times.get_yticklabels(minor=True)} <= {""}, "labels of minor ticks would touch"
     assert [text.get_text() for text in modes.get_yticklabels()] == ["lockupahead", "neg_slip", "karnopp", "stick"]
     assert modes.get_xlabel() == "time [s]"
     run = engagement.trajectory
