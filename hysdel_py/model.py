@@ -139,6 +139,7 @@ def to_dha(model: Model, *, constants: str = "affine") -> Dha:
     constants : {"affine", "aux", "forbid"}
         Constant terms of updates and outputs go to B5 and D5, to auxiliaries, or are errors.
     """
+    _check_model(model)
     return compiler.lower_to_dha(model.typed, model.parameters, _option(Constants, constants, "constants"))[0]
 
 
@@ -152,8 +153,14 @@ def to_mld(model: Model, *, big_m: str = "interval", constants: str = "affine") 
     constants : {"affine", "aux", "forbid"}
         Constant terms of updates and outputs go to B5 and D5, to auxiliaries, or are errors.
     """
+    _check_model(model)
     rule = _option(BigM, big_m, "big_m")
     return compiler.lower_to_mld(model.typed, to_dha(model, constants=constants), rule)[0]
+
+
+def _check_model(model: object) -> None:
+    if not isinstance(model, Model):
+        raise ArgumentError(f"model is a {type(model).__name__}: a Model was expected, as load() returns it")
 
 
 def _option(enum: type[_E], value: str, name: str) -> _E:

@@ -134,7 +134,11 @@ def compare_forms(dha: hys.Dha, mld: hys.Mld, count: int = 50) -> int:
     generator = np.random.default_rng(0)
     for _ in range(count):
         x, u = (np.array([draw(v, generator) for v in group]) for group in (mld.x, mld.u))
-        for ours, theirs in zip(dha.step(x, u), mld.step(x, u), strict=True):
+        try:
+            pairs = list(zip(dha.step(x, u), mld.step(x, u), strict=True))
+        except hys.SimulationError:
+            continue  # a requirement, or a value that nothing defines
+        for ours, theirs in pairs:
             assert np.allclose(ours, theirs, atol=1e-8), f"Dha and Mld differ at x = {x}, u = {u}"
     return count
 

@@ -66,12 +66,22 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
 def _run(arguments: Sequence[str]) -> int:
     parser = build_parser()
-    options = parser.parse_args(join_negative_values(arguments))
+    options = _parse(parser, join_negative_values(arguments))
     if options.command is None:
         parser.print_help(sys.stderr)
         print("\nhysdel: error: a COMMAND was expected", file=sys.stderr)
         return USAGE
     return _guarded(options)
+
+
+def _parse(parser: argparse.ArgumentParser, arguments: Sequence[str]) -> argparse.Namespace:
+    """Read the arguments; who asked for JSON gets an object also where the usage is wrong."""
+    try:
+        return parser.parse_args(arguments)
+    except SystemExit as stop:
+        if stop.code and "--json" in arguments:
+            print_json({"error": "wrong usage; the message is on the error stream"})
+        raise
 
 
 def _guarded(options: argparse.Namespace) -> int:
@@ -94,12 +104,14 @@ def _guarded(options: argparse.Namespace) -> int:
     except KeyboardInterrupt:
         print("interrupted", file=sys.stderr)
     except Exception as error:
-        _report_fault(error)
+        _report_fault(error, options)
         status = FAULT
     return status
 
 
-def _report_fault(error: Exception) -> None:
+def _report_fault(error: Exception, options: argparse.Namespace) -> None:
+    if getattr(options, "json", False):
+        print_json({"error": f"internal fault, {type(error).__name__}: {error}"})
     print(
         f"hysdel: internal fault, {type(error).__name__}: {error} ({_place(error)})\n"
         "This is a mistake of the program, not of the model. Please report it with the model and the command line.",

@@ -21,6 +21,7 @@ from hysdel_py.cli.input_file import read_inputs
 from hysdel_py.cli.output import add_files, check_files, emit_trajectory
 from hysdel_py.errors import ArgumentError, SimulationError
 from hysdel_py.systems.signals import Variable
+from hysdel_py.systems.simulation import MAX_STEPS
 
 __all__ = ["add_parser"]
 
@@ -84,6 +85,8 @@ def _with_help(problems: tuple[str, ...]) -> tuple[str, ...]:
 
 def _inputs(options: argparse.Namespace, variables: tuple[Variable, ...]) -> NDArray[np.float64]:
     steps = options.steps
+    if steps is not None and steps > MAX_STEPS:
+        raise ArgumentError(f"--steps is {steps}: at most {MAX_STEPS} are simulated")
     if steps is not None and steps < 0:
         raise ArgumentError(f"--steps is {steps}: zero or more was expected")
     if options.inputs:

@@ -75,6 +75,12 @@ def closed_loop(
         Wrong arguments, or a plant or controller that returns something else.
     """
     _check_arguments(steps, on_failure)
+    _check_callable(
+        getattr(controller, "solve", controller), "controller", "an object with solve(x, ref), or a callable,"
+    )
+    for name, function in (("stop", stop), ("progress", progress)):
+        if function is not None:
+            _check_callable(function, name, "a callable")
     step, variables = as_plant(plant, controller, tolerances.measured)
     run = Run(_first_state(x0, variables.get("x")))
     for k in range(steps):
@@ -158,6 +164,11 @@ def _first_state(x0: ArrayLike | Mapping[str, float], variables: tuple[Variable,
     if isinstance(x0, Mapping):
         raise ArgumentError("x0 is a mapping, but neither plant nor controller names the states: numbers were expected")
     return _as_input(x0, "x0")
+
+
+def _check_callable(value: Any, name: str, expected: str) -> None:
+    if not callable(value):
+        raise ArgumentError(f"{name} is a {type(value).__name__}: {expected} was expected")
 
 
 def _check_arguments(steps: int, on_failure: OnFailure) -> None:

@@ -36,6 +36,9 @@ __all__ = ["HybridMpc", "Move", "MoveStatus"]
 Matrix = NDArray[np.float64]
 T = TypeVar("T")
 
+MAX_VARIABLES = 20_000
+"""Largest program that is assembled; the search would not finish long before this size."""
+
 
 class HybridMpc:
     """Hybrid model predictive controller.
@@ -99,7 +102,10 @@ class HybridMpc:
         tolerances: ControlTolerances = DEFAULT_CONTROL_TOLERANCES,
     ) -> None:
         self.mld = _mld_of(model)
-        self.horizon = _checked_horizon(horizon)
+        self.horizon = _checked_horizon(horizon, self.mld)
+        if progress is not None and not callable(progress):
+            raise ArgumentError(f"progress is a {type(progress).__name__}: a callable was expected")
+        _checked(tolerances, ControlTolerances, "tolerances")
         weights = _checked(cost, Cost, "cost").resolve(self.mld, tolerances)
         bands = _checked(Limits() if limits is None else limits, Limits, "limits").resolve(self.mld)
         self.references = choose_references(references, weights.names, self.horizon)
@@ -153,7 +159,20 @@ class HybridMpc:
             self.formulation, vectors, x0, result, self.tolerances, sample_time=self.sample_time
         )
         self._plan = plan
-        return replace(move, seconds=time.perf_counter() - begin)
+        message = move.message if plan is None else move.message + self._remark_on_thresholds(plan, x0)
+        return replace(move, message=message, seconds=time.perf_counter() - begin)
+
+    def _remark_on_thresholds(self, plan: Plan, x0: Matrix) -> str:
+        """Say where the plan counts on a threshold that the model, without epsilon and rounding, sees differently."""
+        f = self.formulation
+        planned = np.round(f.layout.join(plan)[f.binaries])
+        differing = np.flatnonzero(planned != simulated_binaries(f, self._step, x0, plan))
+        if not differing.size:
+            return ""
+        first = f.describe_variable(int(f.binaries[differing[0]]))
+        return (
+            f"; the plan stands on a threshold, which the simulated model may see from the other side first at {first}"
+        )
 
     def problem(self, x: ArrayLike | Mapping[str, float], ref: Reference = None) -> Miqp:
         """Return the mixed-integer program of one call, to study it or to hand it to another solver.
@@ -174,6 +193,7 @@ class HybridMpc:
             l=vectors.l,
             u=vectors.u,
             constant=vectors.constant,
+            floor=0.0,  # the cost is a sum of squares
             incumbent=self._guess(x0) if warm else None,
             heuristic=self._heuristic(x0),
             progress=self._progress,
@@ -200,13 +220,18 @@ def _mld_of(model: Any) -> Mld:
     return mld
 
 
-def _checked_horizon(horizon: int) -> int:
+def _checked_horizon(horizon: int, mld: Mld) -> int:
     try:
         steps = 0 if isinstance(horizon, bool) else index(horizon)
     except TypeError:
         steps = 0
     if steps < 1:
         raise ArgumentError(f"horizon is {horizon!r}: a whole number of at least 1 was expected")
+    size = steps * (mld.nx + mld.nu + mld.nd + mld.nz)
+    if size > MAX_VARIABLES:
+        raise ArgumentError(
+            f"horizon is {steps}: the program would have {size} variables, at most {MAX_VARIABLES} are accepted"
+        )
     return steps
 
 

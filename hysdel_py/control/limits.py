@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from math import inf, isnan
 
@@ -200,8 +200,8 @@ def _polytope(pair: tuple[ArrayLike, ArrayLike], nx: int) -> Polytope:
             f"limits terminal: S has shape {S.shape} and T {T.shape}; S with {nx} columns and T with one entry per row "
             "of S were expected"
         )
-    if not np.isfinite(S).all() or np.isnan(T).any():
-        raise ArgumentError("limits terminal: S and T must not contain NaN, nor S infinite entries")
+    if not np.isfinite(S).all() or np.isnan(T).any() or np.isneginf(T).any():
+        raise ArgumentError("limits terminal: S must be finite, and T without NaN and minus infinity")
     return Polytope(S, T)
 
 
@@ -211,7 +211,10 @@ def _softened(soft: bool | Sequence[str], bands: Sequence[Band], has_polytope: b
         possible[POLYTOPE] = None
     if isinstance(soft, bool):
         return tuple(possible) if soft else ()
-    wanted = (soft,) if isinstance(soft, str) else tuple(soft)
+    wanted = (soft,) if isinstance(soft, str) else soft
+    if not isinstance(wanted, Iterable):
+        raise ArgumentError(f"soft is {soft!r}: True, False or names of signals were expected")
+    wanted = tuple(wanted)
     unknown = [str(name) for name in wanted if name not in possible]
     if unknown:
         raise ArgumentError(

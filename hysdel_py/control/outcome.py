@@ -49,7 +49,8 @@ def admissible_state(
 def refused(reasons: tuple[str, ...], seconds: float) -> Move:
     """Return the move for a state from which there can be no plan."""
     advice = "check the measurement, or widen the range in the model if such states occur"
-    return Move(MoveStatus.INFEASIBLE, f"infeasible: {'; '.join(reasons)}; {advice}", seconds=seconds)
+    message = f"infeasible: {'; '.join(reasons)}; {advice}"
+    return Move(MoveStatus.INFEASIBLE, message, bound=np.inf, seconds=seconds)
 
 
 def judged(
@@ -87,7 +88,7 @@ def judged(
     status = MoveStatus.OPTIMAL if result.status.name == "OPTIMAL" else MoveStatus.FEASIBLE
     move = Move(
         status,
-        "; ".join([_worth(status, result), *_remarks(formulation, predicted)]),
+        "; ".join([_worth(status, result), *_remarks(formulation, predicted, status)]),
         u=predicted.u[0].copy(),
         cost=float(result.objective),
         bound=float(result.bound),
@@ -122,8 +123,20 @@ def _worth(status: MoveStatus, result: MiqpResult) -> str:
     )
 
 
-def _remarks(formulation: Formulation, predicted: Trajectory) -> list[str]:
-    """Outputs that are outside their limit now and that no input can move now."""
+def _remarks(formulation: Formulation, predicted: Trajectory, status: MoveStatus) -> list[str]:
+    """Variables whose missing range spoils the proof, and outputs outside their limit that no input can move now."""
+    return [*_missing_ranges(formulation, status), *_unmovable(formulation, predicted)]
+
+
+def _missing_ranges(formulation: Formulation, status: MoveStatus) -> list[str]:
+    mld = formulation.layout.mld
+    without = [v.name for v in (*mld.x, *mld.u, *mld.z) if not np.isfinite([v.low, v.high]).all()]
+    if status is MoveStatus.OPTIMAL or not without:
+        return []
+    return [f"the bound of the search needs ranges: give one to {', '.join(without)}"]
+
+
+def _unmovable(formulation: Formulation, predicted: Trajectory) -> list[str]:
     return [
         f"output {band.name} = {value:.6g} is outside its limit [{band.low:g}, {band.high:g}] now, and no input can "
         "change that in this step"

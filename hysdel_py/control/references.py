@@ -112,6 +112,8 @@ def choose_references(names: Sequence[str] | None, weighted: Iterable[str], hori
     known = tuple(weighted)
     if names is None:
         return References(known, required=False, horizon=horizon)
+    if not isinstance(names, Iterable):
+        raise ArgumentError(f"references is {names!r}: names of signals were expected")
     chosen = (names,) if isinstance(names, str) else tuple(names)
     without = [str(name) for name in chosen if name not in known]
     if without:

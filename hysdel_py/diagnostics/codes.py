@@ -50,5 +50,6 @@ class Code(Enum):
     SWAPPED_BOUNDS = "HYS503"
     LOOSE_TRIPLE = "HYS504"
     ALGEBRAIC_LOOP = "HYS505"
+    NOT_A_NUMBER = "HYS520"
     # what HYSDEL 2.0.5 would refuse or get wrong
     EXTENSION = "HYS901"

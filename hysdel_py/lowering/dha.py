@@ -14,6 +14,7 @@ from itertools import takewhile
 
 from hysdel_py.diagnostics.codes import Code
 from hysdel_py.diagnostics.sink import Sink
+from hysdel_py.lowering.cnf import TooManyClauses, cnf
 from hysdel_py.lowering.constants import Constants
 from hysdel_py.lowering.expressions import ExpressionLowering, mentions_constant
 from hysdel_py.semantics.expressions import Expression
@@ -236,6 +237,8 @@ class _ItemLowering:
         if self._constants is Constants.FORBID:
             self._refuse_constant("a constant term", span)
             return value
+        if any(generated.origin.group == self._origin.group for generated in self.generated_items[-1:]):
+            self._sink.note(Code.EXTENSION, "HYSDEL 2.0.5 crashes at -a with a constant beside (REAL ...)", span)
         aux = self._new_variable(Type.REAL, value.constant, value.constant)
         self.generated_items.append(AffineEquation("Linear", aux, Affine(value.constant), self._next_origin()))
         return Affine(0.0, (*value.terms, (aux, 1.0)))
@@ -250,6 +253,8 @@ class _ItemLowering:
 
     def _logic_equation(self, item: Item, name: str, formula: Formula) -> DhaItem:
         kind = _LOGIC_ITEM[item.section]
+        if item.section in _UPDATES and _is_tautology(formula):
+            formula = Formula((True,))
         if item.section not in _UPDATES or self._fits_row(formula):
             return LogicEquation(kind, name, formula, self._origin)
         if formula.postfix == (True,) and self._constants is Constants.FORBID:
@@ -297,3 +302,11 @@ class _ItemLowering:
         ]
         if not all(map(math.isfinite, numbers)):
             self._sink.error(Code.BAD_ARITHMETIC, "this item has a coefficient that is not a finite number", span)
+
+
+def _is_tautology(formula: Formula) -> bool:
+    """Whether a formula is always true; one that expands beyond the limit of clauses counts as not."""
+    try:
+        return not cnf(formula)
+    except TooManyClauses:
+        return False

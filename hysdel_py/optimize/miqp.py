@@ -12,6 +12,7 @@ estimation and control of hybrid systems", ECC 1999. ``docs/branch-and-bound.md`
 from __future__ import annotations
 
 from collections.abc import Callable
+from math import inf
 from time import perf_counter
 from typing import Any
 
@@ -65,6 +66,7 @@ class MiqpSolver:
         lb: ArrayLike | None = None,
         ub: ArrayLike | None = None,
         constant: float | None = None,
+        floor: float = -inf,
         incumbent: ArrayLike | None = None,
         heuristic: Heuristic | None = None,
         progress: Progress | None = None,
@@ -77,6 +79,8 @@ class MiqpSolver:
             Vectors in place of those of the problem, for this call.
         constant : float, optional
             Constant of the objective, for this call.
+        floor : float
+            A lower bound of the objective that the caller knows.
         incumbent : array of shape (n,) or (number of binaries,), optional
             Guess of the solution; only its binaries are used, rounded, and the rest is solved for.
         heuristic : callable, optional
@@ -98,7 +102,7 @@ class MiqpSolver:
         start = perf_counter()
         qp = self._problem(self.miqp.qp.with_vectors(q, l=l, u=u, lb=lb, ub=ub, constant=constant))
         search = Search(self, qp, start)
-        search.heuristic = heuristic
+        search.heuristic, search.known = heuristic, floor
         search.open_root()
         search.try_guess(self._guess(incumbent))
         while search.stack:

@@ -6,6 +6,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field
 from enum import Enum
 from math import inf
+from numbers import Real
 from typing import Any
 
 import numpy as np
@@ -104,11 +105,11 @@ class MiqpSettings:
 
     def __post_init__(self) -> None:
         for name in ("gap_abs", "gap_rel", "time_limit", "node_limit", "rounding"):
-            if not getattr(self, name) >= 0:
-                raise ArgumentError(f"{name} is {getattr(self, name)}: a number that is not negative was expected")
+            if not (isinstance(getattr(self, name), Real) and getattr(self, name) >= 0):
+                raise ArgumentError(f"{name} is {getattr(self, name)!r}: a number that is not negative was expected")
         for name in ("integrality", "feasibility"):
-            if not 0 < getattr(self, name) < 0.5:
-                raise ArgumentError(f"{name} is {getattr(self, name)}: a number between 0 and 0.5 was expected")
+            if not (isinstance(getattr(self, name), Real) and 0 < getattr(self, name) < 0.5):
+                raise ArgumentError(f"{name} is {getattr(self, name)!r}: a number between 0 and 0.5 was expected")
 
 
 @dataclass(frozen=True, slots=True)

@@ -67,6 +67,8 @@ class Search:
         Incumbent.
     floor : float
         Least certified bound of the parts that are done.
+    known : float
+        Lower bound that the caller knows.
     """
 
     def __init__(self, solver: MiqpSolver, qp: Qp, start: float) -> None:
@@ -76,7 +78,7 @@ class Search:
         self.heuristic: Callable[[Vector, Vector, Vector], Any] | None = None
         self.stack: list[Node] = []
         self.x: Vector | None = None
-        self.objective, self.floor = inf, inf
+        self.objective, self.floor, self.known = inf, inf, -inf
         self.nodes, self.solves_before = 0, solver.verified.solves
         self.leaves: dict[bytes, float] = {}
         self.unsettled, self.unbounded = "", False
@@ -87,7 +89,7 @@ class Search:
         """Propagate the whole problem; without a conflict it becomes the first node."""
         self.root = self._propagate(self.qp.lb, self.qp.ub)
         if self.root.conflict is None:
-            self.stack.append(Node(self.root, -1, 0.0, -inf, 0, None))
+            self.stack.append(Node(self.root, -1, 0.0, self.known, 0, None))
 
     def explore(self, node: Node) -> None:
         """Look at one node: drop it, settle it, or put its two halves on the stack."""
@@ -241,7 +243,7 @@ class Search:
         verdict = self.solver.verified.solve(qp, (box.lb, box.ub), guess, self._enough_to_settle)
         if verdict.infeasible:
             return inf
-        if verdict.unbounded:
+        if verdict.unbounded and self.known == -inf:
             self.unbounded = True
             return -inf
         self._offer(verdict.answer.x, box.lb[self.binaries] + 0.0)

@@ -89,6 +89,14 @@ def _completed(symbol: Symbol, declaration: ast.Declaration | None, typer: _Cons
     """The symbol with its bounds or value."""
     if declaration is None:
         return symbol
+    if declaration.interval is not None and symbol.role is Role.OUTPUT:
+        typer.sink.error(
+            Code.NOT_SUPPORTED,
+            f"the output {symbol.name} takes no bounds: its range follows from its definition",
+            declaration.interval.span,
+            help="limit it in the controller, or its definition in MUST",
+        )
+        return symbol
     if declaration.interval is not None:
         return replace(symbol, bounds=typer.bounds(symbol, declaration.interval))
     if declaration.value is not None:

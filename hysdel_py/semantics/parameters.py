@@ -11,7 +11,7 @@ from hysdel_py.diagnostics.sink import Sink
 from hysdel_py.semantics.arithmetic import evaluate
 from hysdel_py.semantics.expressions import leaves
 from hysdel_py.semantics.symbols import EPSILON, Symbol
-from hysdel_py.semantics.typed_model import TypedModel
+from hysdel_py.semantics.typed_model import Threshold, TypedModel
 
 __all__ = ["bind_parameters", "missing_parameters"]
 
@@ -32,7 +32,7 @@ def bind_parameters(model: TypedModel, given: Mapping[str, object], sink: Sink) 
         symbol = parameters[name]
         if name not in values and symbol.value is not None and _known(symbol, values):
             values[name] = evaluate(symbol.value, values)
-            _check_number(symbol, values[name], sink)
+            _warn_of_nan(symbol, values[name], sink)
     _check_epsilon(parameters, values, sink)
     return values
 
@@ -40,6 +40,8 @@ def bind_parameters(model: TypedModel, given: Mapping[str, object], sink: Sink) 
 def missing_parameters(model: TypedModel, values: Mapping[str, float]) -> tuple[Symbol, ...]:
     """Parameters without a value that something in the model needs, in the order of declaration."""
     needed = {symbol.name for item in model.items for expression in item.expressions() for symbol in leaves(expression)}
+    if any(isinstance(item.body, Threshold) and item.target is not None for item in model.items):
+        needed.add(EPSILON)
     for symbol in model.symbols:
         for expression in (*(symbol.bounds or ()), *((symbol.value,) if symbol.value else ())):
             needed |= {leaf.name for leaf in leaves(expression)}
@@ -68,7 +70,7 @@ def _as_number(symbol: Symbol, value: object, sink: Sink) -> float | None:
     expected = "a number" if symbol.is_real else "True or False"
     try:
         number = float(value)  # type: ignore[arg-type]
-    except (TypeError, ValueError):
+    except (TypeError, ValueError, OverflowError):
         number = math.nan
     if math.isnan(number) or (not symbol.is_real and number not in (0.0, 1.0)):
         sink.error(
@@ -102,9 +104,10 @@ def _known(symbol: Symbol, values: Mapping[str, float]) -> bool:
     return symbol.value is not None and all(leaf.name in values for leaf in leaves(symbol.value))
 
 
-def _check_number(symbol: Symbol, value: float, sink: Sink) -> None:
+def _warn_of_nan(symbol: Symbol, value: float, sink: Sink) -> None:
+    """What is not a number does no harm as long as nothing uses it; where something does, that is an error."""
     if math.isnan(value):
-        sink.error(Code.BAD_ARITHMETIC, f"the value of the parameter {symbol.name} is not a number", symbol.span)
+        sink.warning(Code.NOT_A_NUMBER, f"the value of the parameter {symbol.name} is not a number", symbol.span)
 
 
 def _check_epsilon(parameters: Mapping[str, Symbol], values: Mapping[str, float], sink: Sink) -> None:

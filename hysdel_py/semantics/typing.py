@@ -65,7 +65,9 @@ class ExpressionTyper:
                 return Constant(float(value), Type.BOOL, span)
             case ast.Name(name=name, span=span):
                 return self._name(name, span)
-            case ast.Group():
+            case ast.Group(span=span):
+                if isinstance(args[0], Apply) and args[0].op in COMPARISONS:
+                    self._sink.note(Code.EXTENSION, "HYSDEL 2.0.5 refuses a comparison in parentheses", span)
                 return args[0]
             case ast.Apply(op=op, span=span):
                 known = [argument for argument in args if argument is not None]

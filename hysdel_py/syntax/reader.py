@@ -21,7 +21,7 @@ _WANTED = "give the path of a .hys file, the name of a shipped model, or the tex
 
 def is_text(path_or_text: str | os.PathLike[str]) -> bool:
     """Whether an argument is a model's text and not the path of a file: only texts hold a brace or a line end."""
-    return isinstance(path_or_text, str) and any(mark in path_or_text for mark in "{}\n")
+    return isinstance(path_or_text, str) and any(mark in path_or_text for mark in ("{", "}", "\n", "/*"))
 
 
 def read_source(path_or_text: str | os.PathLike[str], sink: Sink) -> Source:

@@ -48,7 +48,7 @@ class AuxiliarySolver:
 
         self._mld = mld
         self._matrix = hstack([mld.E2, mld.E3], format="csr")
-        self._tolerance = mld.tolerances.row
+        self._tolerances = mld.tolerances
         self._unique = mld.tolerances.unique
         pointers = self._matrix.indptr
         self._rows = [
@@ -78,9 +78,9 @@ class AuxiliarySolver:
         """
         mld = self._mld
         right = mld.E1 @ u + mld.E4 @ x + mld.E5
-        # Terms moved to the right set the scale on which a row can be trusted.
-        scale = 1.0 + abs(mld.E1) @ abs(u) + abs(mld.E4) @ abs(x) + abs(mld.E5)
-        slack = (self._tolerance * scale).tolist()
+        # Terms moved to the right set the scale on which the rounding of a row can be trusted.
+        scale = abs(mld.E1) @ abs(u) + abs(mld.E4) @ abs(x) + abs(mld.E5)
+        slack = (self._tolerances.row + self._tolerances.rounding * scale).tolist()
         first: Vector | None = None
         for point in self._points(right.tolist(), slack):
             if first is None:

@@ -61,6 +61,11 @@ class Switch:
     otherwise_limits: Interval | None
     origin: Origin
 
+    def branch(self, values: Mapping[str, float]) -> Affine:
+        """The branch that is active."""
+        holds = (values[self.condition.name] > 0.5) == self.condition.positive
+        return self.then if holds else self.otherwise
+
 
 @dataclass(frozen=True, slots=True)
 class AffineEquation:
@@ -157,11 +162,6 @@ class Dha:
         except CycleError as error:
             return (), tuple(reversed(error.args[1]))
 
-    def _loop_message(self, circle: tuple[str, ...]) -> str:
-        places = "; ".join(str(self.definitions[name].origin) for name in circle[:-1])
-        reason = "a step is not defined by evaluating one item after the other"
-        return f"algebraic loop {' -> '.join(circle)}: {reason} ({places})"
-
     def step(
         self, x: ArrayLike | Mapping[str, float], u: ArrayLike | Mapping[str, float] = (), *, check: bool = True
     ) -> tuple[Vector, Vector, Vector, Vector]:
@@ -174,7 +174,8 @@ class Dha:
         u : array_like of shape (nu,) or mapping
             Input.
         check : bool
-            Whether values outside their ranges and violated requirements are errors.
+            Whether states and inputs outside their ranges and violated requirements are errors. Ranges of auxiliaries
+            and stated [min, max] are promises for the big-M constants and are not part of the meaning.
 
         Returns
         -------
@@ -186,13 +187,14 @@ class Dha:
         ArgumentError
             Wrong dimension, name, type or a value that is not finite.
         SimulationError
-            Out of range, requirement violated, auxiliary undefined or in an algebraic loop; names every fault.
+            Out of range, requirement violated, auxiliary undefined or in a loop without a unique solution; names every
+            fault.
         """
         state, control = as_vector(x, self.x, "state"), as_vector(u, self.u, "input")
         values = self._auxiliaries(state, control)
         d, z = _gather(values, self.d), _gather(values, self.z)
         if check:
-            problems = self._problems(state, control, z, values)
+            problems = self._problems(state, control, values)
             if problems:
                 raise SimulationError(problems)
         x1 = np.array([self._equation_value(v.name, values) for v in self.x])
@@ -201,18 +203,36 @@ class Dha:
 
     def _auxiliaries(self, x: Vector, u: Vector) -> dict[str, float]:
         """Values of all variables that the step reads."""
-        order, loop = self._order_or_loop
-        if loop:
-            raise SimulationError((self._loop_message(loop),))
-        values = {v.name: float(value) for v, value in zip((*self.x, *self.u), (*x, *u), strict=True)}
-        for name in order:
-            definition = self.definitions.get(name)
-            values[name] = 0.0 if definition is None else _evaluate(definition, values)
         if self._undefined_but_used:
             raise SimulationError(
                 tuple(f"the auxiliary variable {name} is used but never defined" for name in self._undefined_but_used)
             )
+        order, loop = self._order_or_loop
+        values = {v.name: float(value) for v, value in zip((*self.x, *self.u), (*x, *u), strict=True)}
+        if loop:
+            return self._settle_loops(values)
+        for name in order:
+            values[name] = self._equation_value(name, values)
         return values
+
+    def _settle_loops(self, values: dict[str, float]) -> dict[str, float]:
+        from hysdel_py.systems.loops import settle_loops
+
+        booleans = {v.name for v in self.d}
+        auxiliaries = booleans | {v.name for v in self.z}
+        needs = {
+            v.name: tuple(n for n in _depends(self.definitions[v.name]) if n in auxiliaries)
+            if v.name in self.definitions
+            else ()
+            for v in (*self.d, *self.z)
+        }
+        return settle_loops(needs, booleans.__contains__, self._equation_value, self._active_form, values)
+
+    def _active_form(self, name: str, values: Mapping[str, float]) -> Affine:
+        definition = self.definitions[name]
+        if isinstance(definition, Switch):
+            return definition.branch(values)
+        return definition.value if isinstance(definition, AffineEquation) else Affine()
 
     @cached_property
     def _undefined_but_used(self) -> tuple[str, ...]:
@@ -224,33 +244,19 @@ class Dha:
         definition = self.definitions.get(name)
         return 0.0 if definition is None else _evaluate(definition, values)
 
-    def _problems(self, x: Vector, u: Vector, z: Vector, values: Mapping[str, float]) -> tuple[str, ...]:
+    def _problems(self, x: Vector, u: Vector, values: Mapping[str, float]) -> tuple[str, ...]:
         tolerance = self.tolerances.range
         return (
             *range_violations(x, self.x, "state", tolerance),
             *range_violations(u, self.u, "input", tolerance),
-            *range_violations(z, self.z, "auxiliary", tolerance),
-            *self._limit_problems(values),
             *(f"MUST is violated in {r.origin}" for r in self.requirements if not self._holds(r, values)),
         )
 
     def _holds(self, requirement: AffineRequirement | LogicRequirement, values: Mapping[str, float]) -> bool:
         if isinstance(requirement, LogicRequirement):
             return requirement.value.value(values)
-        size = max([1.0, abs(requirement.value.constant), *(abs(c * values[n]) for n, c in requirement.value.terms)])
-        return requirement.value.value(values) <= self.tolerances.row * size
-
-    def _limit_problems(self, values: Mapping[str, float]) -> tuple[str, ...]:
-        """Stated [min, max] that an expression leaves: the MLD form would be wrong there."""
-        problems = []
-        for form, limits, origin in _stated_limits(self.items):
-            value = form.value(values)
-            slack = self.tolerances.range * max(1.0, abs(value))
-            if not limits[0] - slack <= value <= limits[1] + slack:
-                problems.append(
-                    f"{form} = {value:.9g} leaves its stated range [{limits[0]:g}, {limits[1]:g}] in {origin}"
-                )
-        return tuple(problems)
+        size = abs(requirement.value.constant) + sum(abs(c * values[n]) for n, c in requirement.value.terms)
+        return requirement.value.value(values) <= self.tolerances.row + self.tolerances.rounding * size
 
     def describe(self) -> str:
         """Text with one line per variable group and item."""
@@ -283,25 +289,12 @@ def _evaluate(definition: Definition, values: Mapping[str, float]) -> float:
     match definition:
         case Event(form=form):
             return float(form.value(values) <= 0.0)
-        case Switch(condition=condition, then=then, otherwise=otherwise):
-            holds = (values[condition.name] > 0.5) == condition.positive
-            return (then if holds else otherwise).value(values)
+        case Switch():
+            return definition.branch(values).value(values)
         case AffineEquation(value=value):
             return value.value(values)
         case LogicEquation(value=formula):
             return float(formula.value(values))
-
-
-def _stated_limits(items: tuple[DhaItem, ...]) -> list[tuple[Affine, Interval, Origin]]:
-    stated = []
-    for item in items:
-        if isinstance(item, Event) and item.limits is not None:
-            stated.append((item.form, item.limits, item.origin))
-        elif isinstance(item, Switch):
-            for form, limits in ((item.then, item.then_limits), (item.otherwise, item.otherwise_limits)):
-                if limits is not None:
-                    stated.append((form, limits, item.origin))
-    return stated
 
 
 def _gather(values: Mapping[str, float], variables: tuple[Variable, ...]) -> Vector:

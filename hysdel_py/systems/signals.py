@@ -142,8 +142,8 @@ def range_violations(
 ) -> tuple[str, ...]:
     """Say in one line each which values lie outside the declared range of their variable."""
     return tuple(
-        f"{what} {v.name} = {value:.9g} is outside its range [{v.low:g}, {v.high:g}]"
+        f"{what} {v.name} = {value:.12g} is outside its range [{v.low:g}, {v.high:g}]"
         + (f" (declared in line {v.line})" if v.line else "")
         for value, v in zip(values, variables, strict=True)
-        if value < v.low - tolerance or value > v.high + tolerance
+        if value < v.low - tolerance * max(1.0, abs(v.low)) or value > v.high + tolerance * max(1.0, abs(v.high))
     )

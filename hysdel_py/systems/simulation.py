@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from numbers import Real
 from typing import Protocol
 
 import numpy as np
@@ -12,7 +13,10 @@ from hysdel_py.errors import ArgumentError, SimulationError
 from hysdel_py.systems.signals import Variable, as_vector
 from hysdel_py.systems.trajectory import Trajectory
 
-__all__ = ["Steppable", "assemble_trajectory", "simulate"]
+__all__ = ["MAX_STEPS", "Steppable", "assemble_trajectory", "simulate"]
+
+MAX_STEPS = 10_000_000
+"""Longest run that is tried."""
 
 Vector = NDArray[np.float64]
 Step = tuple[Vector, Vector, Vector, Vector]
@@ -62,7 +66,7 @@ def simulate(
     SimulationError
         A step is not defined; the message starts with the number of the step.
     """
-    if not 0.0 < ts < np.inf:
+    if not (isinstance(ts, Real) and 0.0 < ts < np.inf):
         raise ArgumentError(f"ts is {ts!r}: a positive number was expected")
     state = as_vector(x0, system.x, "state")
     controls = _input_sequence(inputs, system.u)
@@ -80,8 +84,8 @@ def simulate(
 
 def _input_sequence(inputs: ArrayLike, variables: tuple[Variable, ...]) -> Vector:
     if isinstance(inputs, int | np.integer) and not variables:
-        if inputs < 0:
-            raise ArgumentError(f"the number of steps is {inputs}: zero or more was expected")
+        if not 0 <= inputs <= MAX_STEPS:
+            raise ArgumentError(f"the number of steps is {inputs}: 0 to {MAX_STEPS} were expected")
         return np.zeros((int(inputs), 0))
     try:
         sequence = np.array(inputs, dtype=float)

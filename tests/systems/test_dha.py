@@ -74,16 +74,50 @@ def test_undefined_and_unused_auxiliary_is_zero(form):
     assert [v.tolist() for v in result] == [[1, 0], [], [0], [0]]
 
 
-def test_stated_range_that_is_left():
-    model = load("AUX { BOOL d; } AD { d = x <= 0 [-1, 1, 1e-6]; } AUTOMATA { b = d; }")
-    assert model.dha.step([0.5, 0])[2] == [0]
-    with pytest.raises(hys.SimulationError, match=r"x = 2 leaves its stated range \[-1, 1\]"):
-        model.dha.step([2, 0])
+def test_ranges_of_auxiliaries_are_promises_for_big_m_and_not_part_of_the_meaning():
+    stated = load("AUX { BOOL d; } AD { d = x <= 0 [-1, 1, 1e-6]; } AUTOMATA { b = d; }")
+    assert stated.dha.step([2, 0])[2] == [0]
+    declared = load("AUX { REAL z [0, 1]; } LINEAR { z = x; } CONTINUOUS { x = 0.5*z; }")
+    for form in (declared.dha, declared.mld):
+        assert form.step([3, 0])[0].tolist() == [1.5, 0]
 
 
-def test_declared_range_of_an_auxiliary_is_checked():
-    with pytest.raises(hys.SimulationError, match=r"auxiliary z = 3 is outside its range \[0, 1\]"):
-        load("AUX { REAL z [0, 1]; } LINEAR { z = x; } CONTINUOUS { x = z; }").dha.step([3, 0])
+@pytest.mark.parametrize(
+    ("body", "x", "z"),
+    [
+        ("AUX { REAL z, w; } LINEAR { z = w + x; w = 0.5*z; } CONTINUOUS { x = 0.1*z; }", 0.3, [0.6, 0.3]),
+        ("AUX { REAL z [-9, 9]; BOOL d; } AD { d = z >= 0.5; } DA { z = {IF d THEN x ELSE x/2}; }", 0.3, [0.15]),
+    ],
+)
+def test_loop_with_one_solution_is_settled_by_both_forms(body, x, z):
+    model = load(body)
+    for form in (model.dha, model.mld):
+        assert form.step([x, 0])[3] == pytest.approx(z)
+
+
+@pytest.mark.parametrize(
+    ("body", "count"),
+    [
+        ("AUX { BOOL d, e; } LOGIC { d = e; e = d; }", "several solutions"),
+        ("AUX { BOOL d, e; } LOGIC { d = e; e = ~d; }", "no solution"),
+        ("AUX { REAL z, w; } LINEAR { z = w + x; w = z; }", "no solution"),
+    ],
+)
+def test_other_loops_are_refused(body, count):
+    with pytest.raises(hys.SimulationError, match=rf"algebraic loop through .* has {count}"):
+        load(body).dha.step([0.3, 0])
+
+
+@pytest.mark.parametrize("size", [1.0, 1e3, 1e5])
+@pytest.mark.parametrize("distance", [0.0, 1e-3])
+def test_both_forms_agree_at_and_near_thresholds_of_any_size(size, distance):
+    text = f"""SYSTEM s {{ INTERFACE {{ STATE {{ REAL x [0, {size}]; }} }} IMPLEMENTATION {{
+        AUX {{ BOOL d; REAL z; }} AD {{ d = x >= {size / 2}; }} DA {{ z = {{IF d THEN x ELSE 0}}; }}
+        CONTINUOUS {{ x = z; }} }} }}"""
+    model = hys.load(text)
+    for sign in (1, -1):
+        x = size / 2 + sign * distance
+        assert [v.tolist() for v in model.mld.step([x])] == [v.tolist() for v in model.dha.step([x])]
 
 
 def test_truth_values():

@@ -64,9 +64,9 @@ class _OsqpWorkspace:
             self._load(q)
             self._guess(x0, y0)
             raw = self._solver.solve(raise_error=False)
-        except (RuntimeError, ValueError) as error:
+        except Exception as error:
             self._solver = None
-            return failed_result(qp, QpStatus.NUMERICAL, f"osqp: {error}")
+            return failed_result(qp, QpStatus.NUMERICAL, f"osqp: {type(error).__name__} {error}")
         return self._read(raw, perf_counter() - start)
 
     def _load(self, q: Vector | None) -> None:
@@ -123,8 +123,13 @@ _STATUS = {
 }
 
 
+INFINITY = 1e30
+"""The solver takes larger numbers for infinite and refuses a lower side above it."""
+
+
 def _stacked(qp: Qp) -> tuple[Vector, Vector]:
-    return np.concatenate([qp.l, qp.lb]), np.concatenate([qp.u, qp.ub])
+    low, high = np.concatenate([qp.l, qp.lb]), np.concatenate([qp.u, qp.ub])
+    return np.clip(low, -INFINITY, INFINITY), np.clip(high, -INFINITY, INFINITY)
 
 
 def _set_up(qp: Qp, settings: QpSettings) -> Any:
