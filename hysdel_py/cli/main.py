@@ -8,7 +8,7 @@ import sys
 from collections.abc import Sequence
 from contextlib import suppress
 
-from hysdel_py.cli import check, compile, demo, fmt, mpc, simulate, stubs
+from hysdel_py.cli import check, compile, demo, fmt, lsp, mpc, simulate, stubs
 from hysdel_py.cli.arguments import join_negative_values
 from hysdel_py.cli.output import print_json
 from hysdel_py.errors import ArgumentError, CompileError, HysdelError
@@ -45,7 +45,7 @@ def build_parser() -> argparse.ArgumentParser:
     )
     parser.add_argument("--version", action="version", version=f"hysdel_py {__version__}")
     commands = parser.add_subparsers(dest="command", metavar="COMMAND")
-    for command in (check, compile, simulate, mpc, demo, fmt, stubs):
+    for command in (check, compile, simulate, mpc, demo, fmt, stubs, lsp):
         command.add_parser(commands)
     return parser
 
