@@ -31,7 +31,7 @@ MAY_IMPORT: dict[str, set[str]] = {
     "control": {"errors", "tolerances", "systems", "optimize", "geometry"},
     "analysis": {"errors", "tolerances", "systems", "optimize", "geometry"},
     "drivetrain": {"errors", "tolerances", "optimize"},
-    "export": {"errors", "systems"},
+    "export": {"errors", "systems", "syntax"},
     "plotting": {"errors", "systems"},
     "shipped": {"syntax"},
     "compiler": {"errors", "diagnostics", "syntax", "semantics", "systems", "lowering"},

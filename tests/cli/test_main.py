@@ -12,7 +12,7 @@ from hysdel_py.cli import check, main
 from hysdel_py.cli.arguments import join_negative_values
 from hysdel_py.shipped import shipped_models
 
-COMMANDS = ("check", "compile", "simulate", "mpc", "demo")
+COMMANDS = ("check", "compile", "simulate", "mpc", "demo", "fmt", "stubs", "lsp")
 
 
 def test_no_command_shows_the_help_and_says_what_was_expected(hysdel):
