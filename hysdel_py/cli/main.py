@@ -8,7 +8,7 @@ import sys
 from collections.abc import Sequence
 from contextlib import suppress
 
-from hysdel_py.cli import check, compile, demo, mpc, simulate
+from hysdel_py.cli import check, compile, demo, drop_in, mpc, simulate
 from hysdel_py.cli.arguments import join_negative_values
 from hysdel_py.cli.output import print_json
 from hysdel_py.errors import ArgumentError, CompileError, HysdelError
@@ -31,6 +31,8 @@ Each command has its own help: hysdel simulate --help
 A shipped model can be named without a path: clutch, two_rooms, two_tanks.
 exit status: 0 fine, 1 the model or the data has a mistake or a run ended early, 2 wrong usage,
 3 a fault of this program
+
+The command line of HYSDEL 2.0.5 is understood as well: hysdel -i model.hys -m model -5; see docs/drop-in.md
 """
 
 
@@ -65,6 +67,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
 
 def _run(arguments: Sequence[str]) -> int:
+    if drop_in.is_drop_in(arguments):
+        return _run_drop_in(arguments)
     parser = build_parser()
     options = parser.parse_args(join_negative_values(arguments))
     if options.command is None:
@@ -72,6 +76,17 @@ def _run(arguments: Sequence[str]) -> int:
         print("\nhysdel: error: a COMMAND was expected", file=sys.stderr)
         return USAGE
     return _guarded(options)
+
+
+def _run_drop_in(arguments: Sequence[str]) -> int:
+    """Run the command line of the original compiler, which ends with 1 whatever the fault."""
+    try:
+        return drop_in.run(arguments)
+    except BrokenPipeError:
+        raise
+    except Exception as error:
+        _report_fault(error)
+        return MISTAKE
 
 
 def _guarded(options: argparse.Namespace) -> int:

@@ -29,6 +29,7 @@ if TYPE_CHECKING:
 
 __all__ = [
     "AffineEquation", "AffineRequirement", "Dha", "DhaItem", "Event", "LogicEquation", "LogicRequirement", "Switch",
+    "stated_limits",
 ]  # fmt: skip
 
 Vector = NDArray[np.float64]
@@ -142,6 +143,11 @@ class Dha:
         """Auxiliaries that are defined in a circle, the first repeated at the end; empty if there is no circle."""
         return self._order_or_loop[1]
 
+    @property
+    def evaluation_order(self) -> tuple[str, ...]:
+        """Auxiliaries such that each comes after all it depends on; empty where an algebraic loop forbids that."""
+        return self._order_or_loop[0]
+
     @cached_property
     def _order_or_loop(self) -> tuple[tuple[str, ...], tuple[str, ...]]:
         """Auxiliaries such that each comes after all it depends on, or else a circle of them."""
@@ -208,14 +214,15 @@ class Dha:
         for name in order:
             definition = self.definitions.get(name)
             values[name] = 0.0 if definition is None else _evaluate(definition, values)
-        if self._undefined_but_used:
+        if self.undefined_but_used:
             raise SimulationError(
-                tuple(f"the auxiliary variable {name} is used but never defined" for name in self._undefined_but_used)
+                tuple(f"the auxiliary variable {name} is used but never defined" for name in self.undefined_but_used)
             )
         return values
 
     @cached_property
-    def _undefined_but_used(self) -> tuple[str, ...]:
+    def undefined_but_used(self) -> tuple[str, ...]:
+        """Auxiliaries that something reads and nothing defines; a step is not defined then."""
         used = {name for item in self.items for name in _depends(item)}
         return tuple(v.name for v in (*self.d, *self.z) if v.name in used and v.name not in self.definitions)
 
@@ -243,7 +250,7 @@ class Dha:
     def _limit_problems(self, values: Mapping[str, float]) -> tuple[str, ...]:
         """Stated [min, max] that an expression leaves: the MLD form would be wrong there."""
         problems = []
-        for form, limits, origin in _stated_limits(self.items):
+        for form, limits, origin in stated_limits(self.items):
             value = form.value(values)
             slack = self.tolerances.range * max(1.0, abs(value))
             if not limits[0] - slack <= value <= limits[1] + slack:
@@ -292,7 +299,8 @@ def _evaluate(definition: Definition, values: Mapping[str, float]) -> float:
             return float(formula.value(values))
 
 
-def _stated_limits(items: tuple[DhaItem, ...]) -> list[tuple[Affine, Interval, Origin]]:
+def stated_limits(items: tuple[DhaItem, ...]) -> list[tuple[Affine, Interval, Origin]]:
+    """Affine forms with a stated [min, max], and the items that state it."""
     stated = []
     for item in items:
         if isinstance(item, Event) and item.limits is not None:
