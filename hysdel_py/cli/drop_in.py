@@ -147,7 +147,7 @@ def _compile(options: DropInOptions) -> int:
 
 
 def _compiled(options: DropInOptions) -> tuple[Compiled, tuple[Diagnostic, ...]]:
-    source = Path(options.source) if options.source else sys.stdin.read()
+    source = Path(options.source) if options.source else sys.stdin.read() + "\n"
     typed, values, found = compiler.analyse(source, {})
     compiled, more = compile_model(typed, values, options.constants, every=options.every_parameter)
     return compiled, (*found, *more)

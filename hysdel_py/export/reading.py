@@ -67,10 +67,11 @@ def read_npz(path: Path_) -> Mld:
         It holds something else.
     """
     try:
-        with np.load(Path(path)) as arrays:
-            return _from_arrays(dict(arrays), path)
-    except (ValueError, EOFError):
-        raise ArgumentError(f"{os.fspath(path)} is not an array file with an Mld in it") from None
+        with np.load(Path(path)) as stored:
+            arrays = dict(stored)
+    except (ValueError, TypeError, EOFError):
+        raise ArgumentError(f"{os.fspath(path)} is not an array file of numpy") from None
+    return _from_arrays(arrays, path)
 
 
 def read_mat(path: Path_) -> Mld:
@@ -87,9 +88,10 @@ def read_mat(path: Path_) -> Mld:
     try:
         with Path(path).open("rb") as file:
             struct = loadmat(file, chars_as_strings=True)["S"]
-        return _from_arrays({name: struct[name][0, 0] for name in struct.dtype.names}, path)
+        arrays = {name: struct[name][0, 0] for name in struct.dtype.names}
     except (ValueError, KeyError, TypeError, MatReadError):
-        raise ArgumentError(f"{os.fspath(path)} is not a MATLAB file with an Mld in it") from None
+        raise ArgumentError(f"{os.fspath(path)} is not a MATLAB file with a struct S") from None
+    return _from_arrays(arrays, path)
 
 
 def _from_arrays(arrays: Mapping[str, NDArray[Any]], path: Path_) -> Mld:

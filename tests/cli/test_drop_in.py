@@ -5,8 +5,14 @@ import io
 import pytest
 from export.matlab_reader import read_matlab
 
-LOOP = "SYSTEM s { INTERFACE { STATE { BOOL b; } } IMPLEMENTATION { AUX { BOOL d, e; } LOGIC { d = e; e = d; } AUTOMATA { b = d; } } }"
-OPEN = "SYSTEM s { INTERFACE { STATE { REAL x [0, 1]; } PARAMETER { REAL a; } } IMPLEMENTATION { CONTINUOUS { x = a*x; } } }"
+LOOP = (
+    "SYSTEM s { INTERFACE { STATE { BOOL b; } } IMPLEMENTATION { AUX { BOOL d, e; } "
+    "LOGIC { d = e; e = d; } AUTOMATA { b = d; } } }"
+)
+OPEN = (
+    "SYSTEM s { INTERFACE { STATE { REAL x [0, 1]; } PARAMETER { REAL a; } } "
+    "IMPLEMENTATION { CONTINUOUS { x = a*x; } } }"
+)
 
 
 def test_writes_the_files_with_their_ends(hysdel, tmp_path):

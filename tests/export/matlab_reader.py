@@ -39,7 +39,7 @@ def _value(text: str, names: dict[str, Any], data: dict[str, Any]) -> Any:
     if match := re.fullmatch(r"([+-]inf) \* ones\(S\.(\w+), 1\)", text):
         return np.full((int(data[match[2]]), 1), float(match[1]))
     if text.startswith("{"):
-        return {i: t for i, t in enumerate(re.findall(r"'((?:[^']|'')*)'", text), start=1)}
+        return dict(enumerate(re.findall(r"'((?:[^']|'')*)'", text), start=1))
     if text.startswith("'"):
         return text[1:-1].replace("''", "'")
     if text.startswith("[\n"):

@@ -57,7 +57,7 @@ def test_file_is_that_of_the_original(accepted):
 @every_model
 def test_file_over_parameters_gives_the_same_numbers(accepted):
     compiled = accepted.compiled(every=True)
-    values = {name: value for name, value in accepted.model().parameters.items()}
+    values = accepted.model().parameters
     text = matlab_text(compiled, PLAIN)
     check_against_original(read_matlab(text, values), accepted.expected)
 
