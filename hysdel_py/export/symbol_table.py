@@ -7,11 +7,13 @@ from collections.abc import Iterator, Mapping
 
 from hysdel_py.export.compiled import Compiled, needed_ranges
 from hysdel_py.export.matlab_text import Value
+from hysdel_py.lowering.symbolic import MAX_SIZE
 from hysdel_py.semantics.expressions import Expression, Reference, children
 from hysdel_py.semantics.symbols import Symbol
 from hysdel_py.semantics.typed_model import TypedModel
 from hysdel_py.syntax.source import Span
 from hysdel_py.systems.signals import Variable
+from hysdel_py.systems.symbolic import Symbolic
 
 __all__ = ["symbol_table"]
 
@@ -35,8 +37,13 @@ def _parameters(compiled: Compiled, first_use: Mapping[str, int]) -> Iterator[Fi
             "line_of_first_use": float(first_use.get(symbol.name, _NOWHERE)),
             "computable_order": _NOWHERE,
             "kind": "p",
-            "value": compiled.values.get(symbol.name, math.nan),
+            "value": _writable(compiled.values.get(symbol.name, math.nan)),
         }
+
+
+def _writable(value: float) -> float:
+    """A value, not a number in place of an expression that is too long; only one that no row uses can be."""
+    return math.nan if isinstance(value, Symbolic) and value.size > MAX_SIZE else value
 
 
 def _variables(compiled: Compiled, first_use: Mapping[str, int]) -> Iterator[Fields]:

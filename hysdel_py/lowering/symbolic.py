@@ -14,6 +14,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from hysdel_py.diagnostics.codes import Code
 from hysdel_py.diagnostics.sink import Sink
 from hysdel_py.lowering.big_m import Ranges
 from hysdel_py.lowering.mld import Row, equation, item_rows, with_ranges
@@ -25,10 +26,13 @@ from hysdel_py.systems.affine import Affine
 from hysdel_py.systems.dha import Dha
 from hysdel_py.systems.origin import RowOrigin
 from hysdel_py.systems.signals import Variable
-from hysdel_py.systems.symbolic import parameter
+from hysdel_py.systems.symbolic import Symbolic, parameter
 from hysdel_py.systems.symbolic_mld import SymbolicMld
 
-__all__ = ["symbolic_values", "to_symbolic_mld"]
+__all__ = ["MAX_SIZE", "symbolic_values", "to_symbolic_mld"]
+
+MAX_SIZE = 100_000
+"""Most names, numbers and operations of one entry; ranges of long chains of switches double at each link."""
 
 Matrix = NDArray[Any]
 
@@ -75,6 +79,7 @@ def to_symbolic_mld(dha: Dha, sink: Sink) -> SymbolicMld:
     rows = [row for item in dha.items for row in item_rows(item, ranges, sink)]
     updates = [equation(dha, variable, "state") for variable in dha.x]
     outputs = [equation(dha, variable, "output") for variable in dha.y]
+    _refuse_large([*((row.form, row.origin) for row in rows), *updates, *outputs], sink)
     A, B1, B2, B3, B5 = _blocks([form for form, _ in updates], (dha.x, dha.u, dha.d, dha.z))
     C, D1, D2, D3, D5 = _blocks([form for form, _ in outputs], (dha.x, dha.u, dha.d, dha.z))
     E4, E1, E2, E3, E5 = _blocks([row.form for row in rows], (dha.x, dha.u, dha.d, dha.z))
@@ -90,6 +95,18 @@ def to_symbolic_mld(dha: Dha, sink: Sink) -> SymbolicMld:
         source=dha.source,
         tolerances=dha.tolerances,
     )  # fmt: skip
+
+
+def _refuse_large(forms: list[tuple[Affine, RowOrigin]], sink: Sink) -> None:
+    for form, origin in forms:
+        numbers = (form.constant, *(coefficient for _, coefficient in form.terms))
+        if any(isinstance(number, Symbolic) and number.size > MAX_SIZE for number in numbers):
+            sink.error(
+                Code.TOO_LARGE,
+                f"with open parameters a number of a row of {origin} has more than {MAX_SIZE} parts",
+                help="give ranges to the auxiliaries that the item reads, or values to the parameters",
+            )
+            return
 
 
 def _origins(rows: list[Row]) -> tuple[RowOrigin, ...]:

@@ -112,7 +112,9 @@ def test_simulator_gives_the_samples(simulations, accepted):
     results = loaded(simulations / f"{function_name('sim_' + accepted.path.stem)}.mat")["r"].ravel()
     for result, sample in zip(results, accepted.expected["samples"], strict=True):
         if sample["feasible"]:
-            expected = np.concatenate([[1.0], *(np.array(sample[key], dtype=float) for key in ("xn", "d", "z", "y"))])
+            expected = np.concatenate(
+                [[1.0], *(np.array(sample[key] or [], dtype=float) for key in ("xn", "d", "z", "y"))]
+            )
             assert result.dtype.kind != "U", str(result)
             np.testing.assert_allclose(result.ravel(), expected, rtol=1e-9, atol=1e-8)
         else:
