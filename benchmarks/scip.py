@@ -53,9 +53,7 @@ def _model(miqp: Miqp) -> Any:
     qp, binary = miqp.qp, set(miqp.binaries.tolist())
     model = scip.Model()
     model.hideOutput()
-    v = [
-        model.addVar(lb=_end(qp.lb[i]), ub=_end(qp.ub[i]), vtype="B" if i in binary else "C") for i in range(qp.n)
-    ]
+    v = [model.addVar(lb=_end(qp.lb[i]), ub=_end(qp.ub[i]), vtype="B" if i in binary else "C") for i in range(qp.n)]
     A = qp.A.tocsr()
     for row in range(qp.m):
         entries = slice(A.indptr[row], A.indptr[row + 1])

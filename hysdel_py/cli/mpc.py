@@ -80,8 +80,8 @@ def run(options: argparse.Namespace) -> int:
     check_files(options)
     model = load_model(options)
     controller = _controller(model, options)
-    x0 = given_vector(options.x0, model.mld.x, "--x0", "state")
     references = _references(options)
+    x0 = given_vector(options.x0, model.mld.x, "--x0", "state")
     progress = progress_line(not options.json)
     trajectory = closed_loop(
         model, controller, x0, options.steps, references, on_failure=options.on_failure, progress=progress
@@ -138,7 +138,7 @@ def _cost(mld: Mld, weights: dict[str, float], terminal: dict[str, float]) -> Co
 
 def _references(options: argparse.Namespace) -> dict[str, float] | None:
     references = assignments(options.ref, "--ref")
-    weighted = assignments([*options.weight, *options.terminal], "--weight")
+    weighted = assignments(options.weight, "--weight") | assignments(options.terminal, "--terminal")
     for name in references:
         if name not in weighted:
             raise ArgumentError(

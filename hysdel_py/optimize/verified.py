@@ -7,22 +7,27 @@ A solver's "optimal" needs small residuals, its "infeasible" needs a ray of Fark
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field, replace
 from math import inf
 
 import numpy as np
 from numpy.typing import NDArray
 
+from hysdel_py.optimize.backends.answer import checked_result
 from hysdel_py.optimize.backends.protocol import QpWorkspace
 from hysdel_py.optimize.backends.registry import BACKENDS, get_backend
 from hysdel_py.optimize.certificate import Certifier, spare_curvature
 from hysdel_py.optimize.phase_one import elastic_phase_one, recession_direction
 from hysdel_py.optimize.qp import Qp, QpResult, QpSettings, QpStatus, violation
+from hysdel_py.optimize.reduction import Reducer
 
 __all__ = ["Verdict", "VerifiedSolver", "solve_qp"]
 
 Vector = NDArray[np.float64]
+
+REDUCE_FROM = 0.3
+"""Share of fixed variables from which the reduced problem is the first to be solved."""
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -68,14 +73,18 @@ class VerifiedSolver:
     settings : QpSettings
     solves : int
         Number of quadratic programs solved so far, by any back end.
+    open_space : callable, optional
+        Makes the work space of a back end for a problem; the registry's by default.
     """
 
     qp: Qp
     backend: str
     settings: QpSettings
     solves: int = 0
+    open_space: Callable[[str, Qp], QpWorkspace] | None = None
     _spaces: dict[str, QpWorkspace] = field(default_factory=dict)
     _certifiers: dict[bytes, Certifier] = field(default_factory=dict)
+    _reduction: Reducer | None = None
 
     def solve(
         self,
@@ -103,9 +112,12 @@ class VerifiedSolver:
         """
         judged = qp if box is None else qp.with_vectors(lb=box[0], ub=box[1])
         settled = enough or _settled
-        best = self._judge(judged, self._ask(self.backend, qp, guess))
-        if settled(best):
-            return best
+        best: Verdict | None = None
+        for answer in self._opinions(qp, guess):
+            best = _better(best, self._judge(judged, answer))
+            if settled(best) or best.infeasible:
+                return best
+        assert best is not None  # there is always one opinion
         # What a solver cannot settle is most often infeasible by little, which linear programs prove faster than
         # another solver fails at it.
         best = self._ask_linear_programs(judged, best)
@@ -115,9 +127,52 @@ class VerifiedSolver:
             best = _better(best, self._judge(judged, self._ask(name, qp, guess)))
         return best
 
+    def _opinions(self, qp: Qp, guess: tuple[Vector, Vector] | None) -> Iterator[QpResult]:
+        """Answers of the chosen solver: first of the form of the problem that suits it, then of the other one."""
+        share = np.count_nonzero(qp.lb >= qp.ub) / max(1, qp.n)
+        for reduced in (share >= REDUCE_FROM, share < REDUCE_FROM):
+            answer = self._ask_reduced(qp) if reduced else self._ask(self.backend, qp, guess)
+            if answer is not None:
+                yield answer
+
+    def _ask_reduced(self, qp: Qp) -> QpResult | None:
+        """Answer of the chosen solver to the problem without its fixed variables and doubled rows."""
+        reduction = self._reducer().reduce(qp)
+        if reduction is None:
+            return None
+        self.solves += 1
+        answer = self._open(self.backend, reduction.qp).solve()
+        x, y = reduction.primal(answer.x), reduction.multipliers(answer.y)
+        # The multipliers of the bounds follow from the gradient, also where a variable was taken out.
+        z = -(qp.P @ x + qp.q + qp.At @ y)
+        z[reduction.free] = answer.z
+        word = f"{answer.message} (reduced to {reduction.qp.n} variables)"
+        # Like a work space, this answers with the constant of the constructor.
+        return checked_result(
+            qp.with_vectors(constant=self.qp.constant),
+            self.settings,
+            answer.status,
+            x=x,
+            y=y,
+            z=z,
+            iterations=answer.iterations,
+            seconds=answer.seconds,
+            word=word,
+        )
+
+    def _open(self, name: str, qp: Qp) -> QpWorkspace:
+        if self.open_space is not None:
+            return self.open_space(name, qp)
+        return get_backend(name, self.settings).workspace(qp)
+
+    def _reducer(self) -> Reducer:
+        if self._reduction is None:
+            self._reduction = Reducer(self.qp)
+        return self._reduction
+
     def _ask(self, name: str, qp: Qp, guess: tuple[Vector, Vector] | None) -> QpResult:
         if name not in self._spaces:
-            self._spaces[name] = get_backend(name, self.settings).workspace(self.qp)
+            self._spaces[name] = self._open(name, self.qp)
         self.solves += 1
         x0, y0 = guess or (None, None)
         return self._spaces[name].solve(q=qp.q, l=qp.l, u=qp.u, lb=qp.lb, ub=qp.ub, x0=x0, y0=y0)
@@ -183,9 +238,9 @@ def _settled(verdict: Verdict) -> bool:
     return verdict.optimal or verdict.infeasible or verdict.unbounded
 
 
-def _better(old: Verdict, new: Verdict) -> Verdict:
+def _better(old: Verdict | None, new: Verdict) -> Verdict:
     """The answer that says more, with the higher of the two bounds, for both are valid."""
-    if new.infeasible:
+    if old is None or new.infeasible:
         return new
     answer = old.answer if _rank(old) <= _rank(new) else new.answer
     return Verdict(answer, max(old.bound, new.bound))
@@ -193,4 +248,3 @@ def _better(old: Verdict, new: Verdict) -> Verdict:
 
 def _rank(verdict: Verdict) -> float:
     return verdict.answer.primal_residual if verdict.optimal else inf
-

@@ -59,7 +59,7 @@ def _draw_speeds(axes: Axes, trajectory: Trajectory, floor: float, reference: fl
 def _draw_torques(axes: Axes, trajectory: Trajectory) -> None:
     axes.plot(trajectory.t, trajectory["Te"], color=COLOURS[0], label="engine torque")
     axes.plot(trajectory.t, trajectory["Fn"], color=COLOURS[3], label="normal force")
-    draw_held(axes, trajectory.t, trajectory["Tcl"], color=COLOURS[1], linestyle="--", label="clutch torque")
+    axes.plot(trajectory.t[:-1], trajectory["Tcl"], color=COLOURS[1], linestyle="--", label="clutch torque")
     finish(axes, "torque [Nm], force [N]")
 
 
@@ -69,4 +69,8 @@ def _draw_solve_times(axes: Axes, trajectory: Trajectory) -> None:
     milliseconds = np.where(planned, 1e3 * trajectory.info["seconds"], np.nan)
     draw_held(axes, trajectory.t, milliseconds, color=COLOURS[6], linewidth=1.0)
     axes.set_yscale("log")
+    if planned.any():
+        shown = np.log10(milliseconds[planned].clip(min=1e-3))
+        axes.set_ylim(10 ** np.floor(shown.min()), 10 ** np.ceil(shown.max()))  # whole decades: their labels have room
+    axes.yaxis.set_minor_formatter("")
     finish(axes, "solve time [ms]", legend=False)

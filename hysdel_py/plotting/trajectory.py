@@ -47,7 +47,9 @@ def plot_trajectory(trajectory: Trajectory, names: Sequence[str] = (), time_unit
         panel.ticklabel_format(axis="y", style="sci", scilimits=(-3, 5), useMathText=True)
     if booleans:
         draw_modes(axes[-1], trajectory, booleans)
-    axes[-1].set_xlabel(_time_label(trajectory, time_unit))
+    label = _time_label(trajectory, time_unit)
+    axes[-1].set_xlabel(label)
+    axes[-1].locator_params(axis="x", integer=label == "step")
     return figure
 
 

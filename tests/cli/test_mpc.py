@@ -35,6 +35,11 @@ def test_weight_of_an_input_and_of_the_last_state(hysdel):
     assert column(shown, "flow") == pytest.approx([-0.5], abs=1e-3)
 
 
+def test_state_with_both_weights_and_a_reference(hysdel):
+    shown = hysdel(*MPC, "--x0", "1,0", "--weight", "level=1", "--terminal", "level=9", "--ref", "level=2.5")
+    assert column(shown, "level")[2] == pytest.approx(2.5, abs=1e-2)
+
+
 def test_hard_limit(hysdel):
     shown = hysdel(*TO_THREE, "--limit", "y=:1.5", "--limit", "flow=-0.25:0.25")
     assert column(shown, "y") == pytest.approx([1, 1.25, 1.5, 1.5], abs=1e-3)

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from hysdel_py.optimize.backends.answer import failed_result
+from hysdel_py.optimize.backends.registry import get_backend
 from hysdel_py.optimize.phase_one import elastic_phase_one, recession_direction
 from hysdel_py.optimize.qp import Qp, QpSettings, QpStatus
 from hysdel_py.optimize.verified import VerifiedSolver, solve_qp
@@ -32,9 +33,12 @@ def problem(**changes):
 
 
 def solver_with(qp, **spaces):
-    solver = VerifiedSolver(qp, "piqp", QpSettings())
-    solver._spaces.update(spaces)
-    return solver
+    """A solver whose named back ends are replaced, whatever problem they are opened for."""
+
+    def open_space(name, problem):
+        return spaces[name] if name in spaces else get_backend(name).workspace(problem)
+
+    return VerifiedSolver(qp, "piqp", QpSettings(), open_space=open_space)
 
 
 @pytest.mark.parametrize("claim", [QpStatus.INFEASIBLE, QpStatus.UNBOUNDED, QpStatus.NUMERICAL])

@@ -99,8 +99,10 @@ class _PiqpWorkspace:
 
     def _read(self, claim: QpStatus, seconds: float) -> QpResult:
         r, y = self._solver.result, np.zeros(self.qp.m)
-        y[self._equalities()], y[self._inequalities()] = r.y, r.z_u - r.z_l
-        z = r.z_bu - r.z_bl
+        # A failed run may leave infinities behind; what is not a number is refused where the answer is checked.
+        with np.errstate(invalid="ignore"):
+            y[self._equalities()], y[self._inequalities()] = r.y, r.z_u - r.z_l
+            z = r.z_bu - r.z_bl
         word = f"piqp: {r.info.status.name.removeprefix('PIQP_').lower().replace('_', ' ')}"
         return checked_result(
             self.qp, self.settings, claim, x=r.x.copy(), y=y, z=z, iterations=r.info.iter, seconds=seconds, word=word

@@ -1,0 +1,207 @@
+"""The shipped models: what their headers and their table say is true, and each does its work in a loop."""
+
+import re
+import shlex
+from functools import cache
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import hysdel_py as hys
+from hysdel_py import shipped
+from hysdel_py.cli.main import main
+from hysdel_py.demos import clutch
+
+NAMES = sorted(shipped.shipped_models())
+README = Path(__file__).parents[1] / "models" / "README.md"
+SIZES = {"states": "nx", "inputs": "nu", "outputs": "ny", "Booleans": "nd", "reals": "nz", "rows": "ne"}
+COUNTED = {None: 0, "one": 1, "two": 2, "both": 2, "three": 3}
+AGREEMENT = 1e-7
+
+
+@cache
+def load(name):
+    return hys.load(name)
+
+
+def header(name):
+    """The comment at the head of a model, as one line."""
+    text = shipped.shipped_models()[name].read_text(encoding="utf-8")
+    assert text.startswith("/*")
+    return " ".join(text[2 : text.index("*/")].split())
+
+
+def entry(name, word):
+    """What stands behind a word of the header, up to the next one."""
+    found = re.search(rf"{word}: (.+?)(?= (?:Source|Size|Shows): |$)", header(name))
+    assert found, f"{name}: the header has no {word}:"
+    return found[1]
+
+
+def table():
+    """Rows of the table of models/README.md by name."""
+    lines = [line for line in README.read_text(encoding="utf-8").splitlines() if line.startswith("| ")]
+    columns, *rows = ([cell.strip() for cell in line.strip("|").split("|")] for line in lines)
+    named = (dict(zip(columns, row, strict=True)) for row in rows)
+    return {re.fullmatch(r"\[(\w+)\]\(\1\.hys\)", row["model"])[1]: row for row in named}
+
+
+def test_there_are_models():
+    assert {"clutch", "two_rooms", "two_tanks"} <= set(NAMES)
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_compiles_without_a_word(name):
+    model = load(name)
+    assert model.name == name
+    assert model.mld.ne > 0
+    assert model.diagnostics == ()
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_every_real_of_the_interface_has_a_unit_and_a_description(name):
+    symbols = [s for s in load(name).typed.symbols if s.line and s.role.name != "AUX"]
+    assert len(symbols) > 5
+    assert not [s.name for s in symbols if not s.description or (s.is_real and not s.unit)]
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_header_says_where_it_comes_from_and_what_it_shows(name):
+    assert len(entry(name, "Source")) > 20
+    assert len(entry(name, "Shows")) > 20
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_sizes_in_the_header_are_those_of_the_mld(name):
+    mld, said = load(name).mld, entry(name, "Size")
+    for word, attribute in SIZES.items():
+        found = re.search(rf"(\d+) {word}(?: \((\w+) Boolean\))?", said)
+        assert found, f"{name}: the header does not say how many {word}"
+        assert int(found[1]) == getattr(mld, attribute), word
+        if word in ("states", "inputs", "outputs"):
+            assert COUNTED[found[2]] == sum(v.is_bool for v in getattr(mld, attribute[1])), word
+
+
+def test_table_lists_every_model_with_its_sizes():
+    rows = table()
+    assert sorted(rows) == NAMES
+    for name, row in rows.items():
+        assert {word: int(row[word]) for word in SIZES} == {w: getattr(load(name).mld, a) for w, a in SIZES.items()}
+        assert entry(name, "Shows").startswith(row["shows"])
+        assert row["field"]
+
+
+def commands():
+    return [shlex.split(line[2:]) for line in README.read_text(encoding="utf-8").splitlines() if line.startswith("$ ")]
+
+
+def test_table_tells_how_to_run_each():
+    assert [name for name in NAMES if not any(name in command for command in commands())] == []
+
+
+@pytest.mark.parametrize("command", [c for c in commands() if c[1] == "mpc"], ids=" ".join)
+def test_commands_of_the_table_run(command, tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    assert command[0] == "hysdel"
+    assert main(command[1:]) == 0
+    assert "stopped" not in capsys.readouterr().out
+    assert (tmp_path / command[-1]).stat().st_size > 10_000
+
+
+def random_point(variables, generator):
+    values = [generator.integers(2) if v.is_bool else generator.uniform(v.low, v.high) for v in variables]
+    return np.array(values, dtype=float)
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_both_forms_agree_at_five_hundred_points(name):
+    model, generator, compared = load(name), np.random.default_rng(5), 0
+    for _ in range(500):
+        x, u = random_point(model.mld.x, generator), random_point(model.mld.u, generator)
+        try:
+            expected = model.dha.step(x, u)
+        except (
+            hys.SimulationError
+        ):  # a MUST, or an auxiliary that leaves its range: then there is no step in either form
+            with pytest.raises(hys.SimulationError):
+                model.mld.step(x, u)
+            continue
+        compared += 1
+        for ours, theirs in zip(model.mld.step(x, u), expected, strict=True):
+            assert ours == pytest.approx(theirs, abs=AGREEMENT, rel=AGREEMENT)
+    assert compared > 300, "most points have to be possible ones"
+
+
+def test_two_tanks_bring_the_lower_level_down_to_its_reference():
+    mpc = hys.HybridMpc(load("two_tanks"), 4, hys.Cost(y={"level2": 100}), references=("level2",), node_limit=30)
+    run = hys.closed_loop(load("two_tanks"), mpc, [0.1, 0.4], 25, {"level2": 0.2})
+    assert run.steps == 25
+    assert run["h2"][15:] == pytest.approx(0.2, abs=0.005)
+    assert run["h2"][0] == 0.4
+    assert set(run["above"]) == {0, 1}, "the pipe joins in"
+
+
+def test_two_tanks_fill_up_and_never_open_the_valve_when_nearly_full():
+    mpc = hys.HybridMpc(load("two_tanks"), 3, hys.Cost(y={"level2": 100}), references=("level2",), node_limit=20)
+    run = hys.closed_loop(load("two_tanks"), mpc, [0.5, 0.5], 12, {"level2": 0.6})
+    assert run.steps == 12
+    assert not np.any(run["valve"] * (run["h2"][:-1] >= 0.54))
+    assert run["valve"].any()
+
+
+def test_two_rooms_are_heated_and_cooled_into_their_bands():
+    mpc = hys.HybridMpc(load("two_rooms"), 3, hys.Cost(y={"y1": 1, "y2": 1}), references=("y1", "y2"), node_limit=30)
+    run = hys.closed_loop(load("two_rooms"), mpc, [15, 30, 28, 0], 30, {"y1": 23, "y2": 24})
+    assert run.steps == 30
+    assert run["T1"][10:] == pytest.approx(23, abs=2)
+    assert run["T2"][10:] == pytest.approx(24, abs=1)
+    assert run["heater_on"].sum() >= 2
+    assert run["cooler_on"].sum() >= 4
+    assert not np.any(run["heater_on"] * run["cooler_on"]), "never both"
+
+
+def check_engagement(result):
+    """Engaged within the second, no stall, a smooth lock-up."""
+    assert result.engaged
+    assert result.lockup_time < 1
+    assert result.least_engine_speed >= 79.92
+    assert result.slip_after_lockup < 0.1
+    assert abs(result.lockup_acceleration) < 40
+    figures = result.figures()
+    assert figures["mpc_steps"] == result.hand_over > 50
+    assert figures["proven_optimal"] > figures["mpc_steps"] / 2
+
+
+def test_clutch_engages():
+    check_engagement(clutch.engage(horizon=5, node_limit=20))
+
+
+def test_clutch_engages_as_the_demonstration_does_it():
+    check_engagement(clutch.engage())
+
+
+def test_clutch_that_starts_in_the_window_is_only_locked():
+    result = clutch.engage(horizon=2, start={"we": 100, "gamma": 0.5, "Te": 60, "Fn": 60, "lc": 0})
+    assert result.engaged
+    assert result.figures()["mpc_steps"] == 0
+    assert result.table()
+
+
+@pytest.mark.parametrize("name", ["clutch", "clutch.hys"])
+def test_names_without_a_path(name, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    assert shipped.locate(name) == shipped.shipped_models()["clutch"]
+
+
+def test_file_of_that_name_goes_first_and_a_folder_does_not(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "two_tanks").mkdir()
+    assert shipped.locate("two_tanks") == shipped.shipped_models()["two_tanks"]
+    (tmp_path / "clutch.hys").write_text("SYSTEM mine {}")
+    assert shipped.locate("clutch.hys") == "clutch.hys"
+
+
+@pytest.mark.parametrize("other", ["", "SYSTEM s {}", "nothing.hys", "x" * 5000, "a\0b"])
+def test_other_arguments_stay_as_they_are(other):
+    assert shipped.locate(other) == other
