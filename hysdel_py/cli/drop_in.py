@@ -9,6 +9,7 @@ from __future__ import annotations
 import sys
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
+from io import TextIOWrapper
 from pathlib import Path
 
 from hysdel_py import compiler
@@ -99,6 +100,8 @@ def read_options(arguments: Sequence[str]) -> DropInOptions:
         found[name] = pending.pop(0) if word in _WITH_VALUE else True
     if found.get("verbosity", "2") not in ("0", "1", "2", "3"):
         raise ArgumentError(f"-v {found['verbosity']}: 0, 1, 2 or 3 was expected")
+    if found.get("matlab") and found["matlab"] == found.get("simulator"):
+        raise ArgumentError(f"-m and -s both name {found['matlab']}: two names were expected")
     return _options(found)
 
 
@@ -147,10 +150,17 @@ def _compile(options: DropInOptions) -> int:
 
 
 def _compiled(options: DropInOptions) -> tuple[Compiled, tuple[Diagnostic, ...]]:
-    source = Path(options.source) if options.source else sys.stdin.read() + "\n"
+    source = Path(options.source) if options.source else _standard_input()
     typed, values, found = compiler.analyse(source, {})
     compiled, more = compile_model(typed, values, options.constants, every=options.every_parameter)
     return compiled, (*found, *more)
+
+
+def _standard_input() -> str:
+    """Text of standard input; bytes that are not UTF-8 can only stand in comments and need not be readable."""
+    if isinstance(sys.stdin, TextIOWrapper):
+        sys.stdin.reconfigure(encoding="utf-8", errors="replace")
+    return sys.stdin.read() + "\n"  # a text without a line end could be taken for the name of a file
 
 
 def _target(name: str) -> Path:

@@ -1,6 +1,8 @@
 """The command line of the original compiler."""
 
 import io
+import subprocess
+import sys
 
 import pytest
 from export.matlab_reader import read_matlab
@@ -94,6 +96,7 @@ def test_verbosity(hysdel, tmp_path, switch, count):
         (["-i"], "-i needs a value"),
         (["-i", "tank.hys", "--nonsense"], "unknown option --nonsense"),
         (["-i", "tank.hys", "-v", "7"], "-v 7"),
+        (["-i", "tank.hys", "-m", "a", "-s", "a"], "both name a"),
         (["-i", "nothing.hys"], "nothing.hys"),
         (["-5", "-i", "tank.hys", "-m", "nowhere/out"], "No such file"),
     ],
@@ -107,3 +110,14 @@ def test_mistakes_end_with_one(hysdel, arguments, words):
 def test_own_commands_are_not_taken_for_the_original(hysdel):
     assert hysdel("--version").out.startswith("hysdel_py")
     assert hysdel("check", "tank.hys").status == 0
+
+
+def test_standard_input_of_a_process(tmp_path):
+    text = b"/* gr\xfc\xdfe */ " + OPEN.replace("REAL a;", "REAL a = 0.5;").encode()
+    command = [sys.executable, "-m", "hysdel_py.cli", "-5"]
+    done = subprocess.run(command, input=text, capture_output=True, check=False)
+    assert (done.returncode, done.stderr) == (0, b"")
+    assert read_matlab(done.stdout.decode())["A"] == 0.5
+    empty = subprocess.run(command, input=b"", capture_output=True, check=False)
+    assert empty.returncode == 0
+    assert read_matlab(empty.stdout.decode())["nx"] == 0
