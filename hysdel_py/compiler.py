@@ -12,6 +12,7 @@ from hysdel_py.lowering.big_m import BigM
 from hysdel_py.lowering.constants import Constants
 from hysdel_py.lowering.dha import to_dha
 from hysdel_py.lowering.mld import to_mld
+from hysdel_py.lowering.symbolic import to_symbolic_mld
 from hysdel_py.semantics.parameters import bind_parameters, missing_parameters
 from hysdel_py.semantics.resolve import resolve
 from hysdel_py.semantics.typed_model import TypedModel
@@ -19,8 +20,9 @@ from hysdel_py.syntax.parser import parse
 from hysdel_py.syntax.reader import read_source
 from hysdel_py.systems.dha import Dha
 from hysdel_py.systems.mld import Mld
+from hysdel_py.systems.symbolic_mld import SymbolicMld
 
-__all__ = ["analyse", "lower_to_dha", "lower_to_mld"]
+__all__ = ["analyse", "lower_to_dha", "lower_to_mld", "lower_to_symbolic_mld"]
 
 
 def analyse(
@@ -77,6 +79,19 @@ def lower_to_mld(model: TypedModel, dha: Dha, big_m: BigM) -> tuple[Mld, tuple[D
     mld = to_mld(dha, big_m, sink)
     sink.raise_errors(model.source)
     assert mld is not None  # a failed lowering has reported an error
+    return mld, sink.diagnostics
+
+
+def lower_to_symbolic_mld(model: TypedModel, dha: Dha) -> tuple[SymbolicMld, tuple[Diagnostic, ...]]:
+    """Lower a Dha whose numbers may wait for parameters; warnings come with it.
+
+    Raises
+    ------
+    CompileError
+    """
+    sink = Sink()
+    mld = to_symbolic_mld(dha, sink)
+    sink.raise_errors(model.source)
     return mld, sink.diagnostics
 
 

@@ -13,15 +13,17 @@ from hysdel_py import compiler
 from hysdel_py.errors import ArgumentError
 from hysdel_py.lowering.big_m import BigM
 from hysdel_py.lowering.constants import Constants
+from hysdel_py.lowering.symbolic import symbolic_values
 
 if TYPE_CHECKING:
     from hysdel_py.diagnostics.diagnostic import Diagnostic
     from hysdel_py.semantics.typed_model import TypedModel
     from hysdel_py.systems.dha import Dha
     from hysdel_py.systems.mld import Mld
+    from hysdel_py.systems.symbolic_mld import SymbolicMld
     from hysdel_py.systems.trajectory import Trajectory
 
-__all__ = ["Model", "load", "to_dha", "to_mld"]
+__all__ = ["Model", "load", "to_dha", "to_mld", "to_symbolic_mld"]
 
 _E = TypeVar("_E", BigM, Constants)
 
@@ -161,6 +163,24 @@ def to_mld(model: Model, *, big_m: str = "interval", constants: str = "affine") 
 def _check_model(model: object) -> None:
     if not isinstance(model, Model):
         raise ArgumentError(f"model is a {type(model).__name__}: a Model was expected, as load() returns it")
+
+
+def to_symbolic_mld(model: Model, *, every: bool = False, constants: str = "affine") -> SymbolicMld:
+    """Lower a model whose real parameters may lack values to a form over these parameters.
+
+    Rows and their order are those of :func:`to_mld`, and ``to_symbolic_mld(model).bind({"a": 1.0})`` is the form of the
+    model loaded with ``a=1.0``.
+
+    Parameters
+    ----------
+    every : bool
+        Keep all REAL parameters of the file open, those with a value too.
+    constants : {"affine", "aux", "forbid"}
+        As in :func:`to_mld`.
+    """
+    numbers = symbolic_values(model.typed, model.parameters, every=every)
+    dha = compiler.lower_to_dha(model.typed, numbers, _option(Constants, constants, "constants"))[0]
+    return compiler.lower_to_symbolic_mld(model.typed, dha)[0]
 
 
 def _option(enum: type[_E], value: str, name: str) -> _E:

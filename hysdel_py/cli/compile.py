@@ -10,8 +10,8 @@ import numpy as np
 
 from hysdel_py.cli.arguments import add_model, add_output, load_model
 from hysdel_py.cli.output import check_target, print_json
-from hysdel_py.errors import ArgumentError
-from hysdel_py.export.matrices import mld_to_dict, write_json, write_npz
+from hysdel_py.cli.writers import FORMATS, find_writer
+from hysdel_py.export.matrices import mld_to_dict
 from hysdel_py.model import to_mld
 from hysdel_py.systems.mld import Mld
 
@@ -22,6 +22,9 @@ examples:
   hysdel compile model.hys                      print sizes, variables and every row with its source line
   hysdel compile model.hys -o model.json        write matrices, names, ranges and origins as JSON
   hysdel compile model.hys -o model.npz         write matrices for numpy.load
+  hysdel compile model.hys -o model.mat         write matrices for MATLAB and Octave
+  hysdel compile model.hys -o model.m           write the script that HYSDEL 2.0.5 writes
+  hysdel compile model.hys -o step.py           write a simulator that needs nothing but Python
   hysdel compile model.hys --param ts=0.01 --constants aux
 """
 
@@ -38,7 +41,9 @@ def add_parser(commands: argparse._SubParsersAction[argparse.ArgumentParser]) ->
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )
     add_model(parser)
-    parser.add_argument("-o", "--output", metavar="PATH", help="write a .json or .npz file instead of the listing")
+    parser.add_argument(
+        "-o", "--output", metavar="PATH", help=f"write a file ({', '.join(FORMATS)}) instead of the listing"
+    )
     parser.add_argument("--big-m", choices=["interval"], default="interval", help="rule for the big-M constants")
     parser.add_argument(
         "--constants",
@@ -52,14 +57,13 @@ def add_parser(commands: argparse._SubParsersAction[argparse.ArgumentParser]) ->
 
 def run(options: argparse.Namespace) -> int:
     """Run the command."""
-    writer = {".json": write_json, ".npz": write_npz}.get(Path(options.output).suffix) if options.output else None
-    if options.output and writer is None:
-        raise ArgumentError(f"--output {options.output}: a name that ends in .json or .npz was expected")
+    writer = find_writer(options.output) if options.output else None
     if options.output:
         check_target(Path(options.output), "--output")
-    mld = to_mld(load_model(options), big_m=options.big_m, constants=options.constants)
+    model = load_model(options)
+    mld = to_mld(model, big_m=options.big_m, constants=options.constants)
     if writer is not None:
-        writer(mld, options.output)
+        writer(model, mld, options)
     if options.json:
         print_json(mld_to_dict(mld))
     elif writer is not None:

@@ -8,7 +8,7 @@ import sys
 from collections.abc import Sequence
 from contextlib import suppress
 
-from hysdel_py.cli import check, compile, demo, fmt, lsp, mpc, simulate, stubs
+from hysdel_py.cli import check, compile, demo, drop_in, fmt, lsp, mpc, simulate, stubs
 from hysdel_py.cli.arguments import join_negative_values
 from hysdel_py.cli.output import print_json
 from hysdel_py.errors import ArgumentError, CompileError, HysdelError
@@ -32,6 +32,8 @@ Each command has its own help: hysdel simulate --help
 A shipped model can be named without a path: clutch, two_rooms, two_tanks.
 exit status: 0 fine, 1 the model or the data has a mistake or a run ended early, 2 wrong usage,
 3 a fault of this program
+
+The command line of HYSDEL 2.0.5 is understood as well: hysdel -i model.hys -m model -5; see docs/drop-in.md
 """
 
 
@@ -66,6 +68,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
 
 def _run(arguments: Sequence[str]) -> int:
+    if drop_in.is_drop_in(arguments):
+        return _run_drop_in(arguments)
     parser = build_parser()
     options = _parse(parser, join_negative_values(arguments))
     if options.command is None:
@@ -83,6 +87,17 @@ def _parse(parser: argparse.ArgumentParser, arguments: Sequence[str]) -> argpars
         if stop.code and "--json" in arguments:
             print_json({"error": "wrong usage; the message is on the error stream"})
         raise
+
+
+def _run_drop_in(arguments: Sequence[str]) -> int:
+    """Run the command line of the original compiler, which ends with 1 whatever the fault."""
+    try:
+        return drop_in.run(arguments)
+    except BrokenPipeError:
+        raise
+    except Exception as error:
+        _report_fault(error, argparse.Namespace())
+        return MISTAKE
 
 
 def _guarded(options: argparse.Namespace) -> int:

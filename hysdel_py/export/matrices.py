@@ -1,4 +1,7 @@
-"""Matrices of an Mld as plain data for JSON and as arrays in one ``.npz`` file."""
+"""An Mld as plain data, in a JSON file, and in array files for numpy (``.npz``) and MATLAB (``.mat``).
+
+:mod:`hysdel_py.export.reading` reads all three back.
+"""
 
 from __future__ import annotations
 
@@ -6,20 +9,23 @@ import json
 import math
 import os
 from collections.abc import Sequence
+from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from hysdel_py.systems.mld import Mld
 from hysdel_py.systems.origin import RowOrigin
 from hysdel_py.systems.signals import Variable
+from hysdel_py.systems.symbolic_mld import MATRICES, SymbolicMld
 
-__all__ = ["MATRICES", "SCHEMA", "mld_to_dict", "write_json", "write_npz"]
+__all__ = ["MATRICES", "SCHEMA", "dense", "mld_to_dict", "write_json", "write_mat", "write_npz"]
 
-MATRICES = ("A", "B1", "B2", "B3", "B5", "C", "D1", "D2", "D3", "D5", "E1", "E2", "E3", "E4", "E5")
 SCHEMA = "hysdel_py/mld/1"
 """Name and version of the layout of the JSON form."""
+_GROUPS = ("x", "u", "y", "d", "z")
 
 
 def mld_to_dict(mld: Mld) -> dict[str, Any]:
@@ -31,19 +37,23 @@ def mld_to_dict(mld: Mld) -> dict[str, Any]:
         "schema": SCHEMA,
         "name": mld.name,
         "source": mld.source,
+        "tolerances": asdict(mld.tolerances),
         "form": "x+ = A x + B1 u + B2 d + B3 z + B5; y = C x + D1 u + D2 d + D3 z + D5; "
         "E2 d + E3 z <= E1 u + E4 x + E5",
         "sizes": {key: getattr(mld, f"n{key}") for key in ("x", "u", "y", "d", "z", "e")},
         "variables": {key: [_variable(v) for v in getattr(mld, key)] for key in ("x", "u", "y", "d", "z")},
-        **{name: _dense(mld, name).tolist() for name in MATRICES},
+        **{name: dense(mld, name).tolist() for name in MATRICES},
         "rows": _origins(mld.rows),
         "updates": _origins(mld.updates),
         "outputs": _origins(mld.outputs),
     }
 
 
-def _dense(mld: Mld, name: str) -> np.ndarray[Any, np.dtype[np.float64]]:
+def dense(mld: Mld | SymbolicMld, name: str) -> NDArray[Any]:
+    """A matrix as a dense array without negative zeros, of objects where numbers may be symbolic."""
     matrix = getattr(mld, name)
+    if isinstance(mld, SymbolicMld):
+        return np.asarray(matrix)
     return np.asarray(matrix.toarray() if hasattr(matrix, "toarray") else matrix, dtype=float) + 0.0
 
 
@@ -76,12 +86,33 @@ def write_json(mld: Mld, path: str | os.PathLike[str]) -> None:
 
 def write_npz(mld: Mld, path: str | os.PathLike[str]) -> None:
     """Write the matrices, the names and the ranges of an Mld with numpy; all arrays are dense."""
-    arrays: dict[str, Any] = {name: _dense(mld, name) for name in MATRICES}
-    for key in ("x", "u", "y", "d", "z"):
+    arrays: dict[str, Any] = {name: dense(mld, name) for name in MATRICES}
+    for key in _GROUPS:
         group = getattr(mld, key)
         arrays[f"names_{key}"] = np.array([v.name for v in group], dtype=str)
         arrays[f"low_{key}"] = np.array([v.low for v in group], dtype=float)
         arrays[f"high_{key}"] = np.array([v.high for v in group], dtype=float)
         arrays[f"is_bool_{key}"] = np.array([v.is_bool for v in group], dtype=bool)
+    arrays["about"] = np.array(_about(mld))
     with Path(path).open("wb") as file:
         np.savez(file, **arrays)
+
+
+def write_mat(mld: Mld, path: str | os.PathLike[str]) -> None:
+    """Write an Mld for MATLAB and Octave as the variable ``S``: matrices, names and ranges; all arrays are dense."""
+    from scipy.io import savemat
+
+    columns = {name: dense(mld, name) for name in MATRICES}
+    fields: dict[str, Any] = {name: m[:, None] if m.ndim == 1 else m for name, m in columns.items()}
+    for key in _GROUPS:
+        group = getattr(mld, key)
+        fields[f"names_{key}"] = np.array([v.name for v in group], dtype=object)
+        fields[f"{key}l"] = np.array([[v.low] for v in group], dtype=float).reshape(len(group), 1)
+        fields[f"{key}u"] = np.array([[v.high] for v in group], dtype=float).reshape(len(group), 1)
+    with Path(path).open("wb") as file:
+        savemat(file, {"S": fields | {"about": _about(mld)}}, long_field_names=True)
+
+
+def _about(mld: Mld) -> str:
+    """All but the matrices as JSON text, so that an array file can be read back as it was."""
+    return json.dumps({key: value for key, value in mld_to_dict(mld).items() if key not in MATRICES})

@@ -7,7 +7,9 @@ a form has the interval of its collected terms.
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
 from enum import Enum
+from types import MappingProxyType
 
 from hysdel_py.diagnostics.codes import Code
 from hysdel_py.diagnostics.sink import Sink
@@ -15,6 +17,7 @@ from hysdel_py.syntax.source import Span
 from hysdel_py.systems.affine import Affine
 from hysdel_py.systems.dha import AffineEquation, Definition, Dha, Switch
 from hysdel_py.systems.origin import Origin
+from hysdel_py.systems.symbolic import greatest, is_finite, least
 
 __all__ = ["BigM", "Ranges"]
 
@@ -39,9 +42,7 @@ class Ranges:
         self._sink = sink
         self._tolerance = dha.tolerances.range
         self._known: dict[str, Interval] = {
-            v.name: (v.low, v.high)
-            for v in (*dha.x, *dha.u, *dha.d, *dha.z)
-            if math.isfinite(v.low) or math.isfinite(v.high)
+            v.name: (v.low, v.high) for v in (*dha.x, *dha.u, *dha.d, *dha.z) if is_finite(v.low) or is_finite(v.high)
         }
 
     def of(self, form: Affine, limits: Interval | None, origin: Origin) -> Interval:
@@ -53,11 +54,16 @@ class Ranges:
             if coefficient and not self._settle(name, origin):
                 return (0.0, 0.0)
         low, high = form.range(self._known.__getitem__)
-        if not (math.isfinite(low) and math.isfinite(high)):
-            infinite = [n for n, c in form.terms if c and not all(map(math.isfinite, self._known[n]))]
+        if not (is_finite(low) and is_finite(high)):
+            infinite = [n for n, c in form.terms if c and not all(map(is_finite, self._known[n]))]
             self._report(Code.NO_BOUNDS, f"the range of {', '.join(infinite)} is not finite", origin, infinite[-1:])
             return (0.0, 0.0)
         return low, high
+
+    @property
+    def known(self) -> Mapping[str, Interval]:
+        """Ranges that are declared or have been needed so far, by the name of the variable."""
+        return MappingProxyType(self._known)
 
     def _warn_of_loose(self, form: Affine, limits: Interval, origin: Origin) -> None:
         if not all(self._settle(name, None) for name, coefficient in form.terms if coefficient):
@@ -116,7 +122,7 @@ class Ranges:
         ends = [
             form.range(self._known.__getitem__) if limits is None else limits for form, limits in _forms(definition)
         ]
-        return min(low for low, _ in ends), max(high for _, high in ends)
+        return least(*(low for low, _ in ends)), greatest(*(high for _, high in ends))
 
     def _report(self, code: Code, fact: str, origin: Origin | None, names: list[str]) -> None:
         if origin is None:

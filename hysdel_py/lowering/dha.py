@@ -36,6 +36,7 @@ from hysdel_py.systems.dha import (
 from hysdel_py.systems.formula import Connective, Formula, Literal
 from hysdel_py.systems.origin import Origin
 from hysdel_py.systems.signals import Kind, Type, Variable
+from hysdel_py.systems.symbolic import greatest, is_finite, is_undefined, least
 
 __all__ = ["to_dha"]
 
@@ -107,7 +108,7 @@ def _range(symbol: Symbol, expressions: ExpressionLowering, sink: Sink) -> tuple
     if symbol.bounds is None:
         return -math.inf, math.inf
     low, high = (expressions.constant(bound) for bound in symbol.bounds)
-    if math.isnan(low) or math.isnan(high):
+    if is_undefined(low) or is_undefined(high):
         sink.error(Code.BAD_ARITHMETIC, f"a bound of {symbol.name} is not a number", symbol.span)
     if low > high:
         sink.warning(
@@ -115,7 +116,7 @@ def _range(symbol: Symbol, expressions: ExpressionLowering, sink: Sink) -> tuple
             f"the lower bound {low:g} of {symbol.name} lies above its upper bound {high:g}: they are swapped",
             symbol.span,
         )
-    return min(low, high), max(low, high)
+    return least(low, high), greatest(low, high)
 
 
 class _ItemLowering:
@@ -190,13 +191,13 @@ class _ItemLowering:
 
     def _triple(self, triple: Triple) -> tuple[tuple[float, float], float]:
         low, high, epsilon = map(self._expressions.constant, (triple.low, triple.high, triple.epsilon))
-        if not all(map(math.isfinite, (low, high, epsilon))) or epsilon < 0:
+        if not all(map(is_finite, (low, high, epsilon))) or epsilon < 0:
             self._sink.error(
                 Code.BAD_ARITHMETIC,
                 f"[min, max, epsilon] is [{low:g}, {high:g}, {epsilon:g}]: finite numbers and epsilon >= 0 are needed",
                 triple.span,
             )
-        return (min(low, high), max(low, high)), epsilon
+        return (least(low, high), greatest(low, high)), epsilon
 
     def _choice(self, item: Item, choice: Choice) -> DhaItem | None:
         name = item.target.name if item.target else ""
@@ -220,7 +221,8 @@ class _ItemLowering:
         if not condition.positive:
             then, otherwise = otherwise, then
         value = Affine(otherwise, ((condition.name, then - otherwise),))
-        self.generated_items.append(AffineEquation("Linear", name, value, self._next_origin()))
+        # The original counts it as 2 even behind the definition of a compound condition, which is 2 as well.
+        self.generated_items.append(AffineEquation("Linear", name, value, replace(self._origin, subgroup=2)))
 
     def _equation(self, item: Item, equation: Equation) -> DhaItem:
         name = item.target.name if item.target else ""
@@ -300,7 +302,7 @@ class _ItemLowering:
         numbers = [
             n for form in forms if isinstance(form, Affine) for n in (form.constant, *(c for _, c in form.terms))
         ]
-        if not all(map(math.isfinite, numbers)):
+        if not all(map(is_finite, numbers)):
             self._sink.error(Code.BAD_ARITHMETIC, "this item has a coefficient that is not a finite number", span)
 
 

@@ -38,14 +38,14 @@ from hysdel_py.systems.signals import Variable
 if TYPE_CHECKING:
     from scipy.sparse import csr_array
 
-__all__ = ["MAX_DENSE_ENTRIES", "to_mld"]
+__all__ = ["MAX_DENSE_ENTRIES", "Row", "equation", "item_rows", "to_mld", "with_ranges"]
 
 MAX_DENSE_ENTRIES = 50_000_000
 """Largest number of entries of the dense update and output matrices together (400 MB)."""
 
 
 @dataclass(frozen=True, slots=True)
-class _Row:
+class Row:
     """``form <= 0`` and where it comes from."""
 
     form: Affine
@@ -63,14 +63,14 @@ def to_mld(dha: Dha, big_m: BigM, sink: Sink) -> Mld | None:  # noqa: ARG001 -- 
         )
         return None
     ranges = Ranges(dha, sink)
-    rows = [row for item in dha.items for row in _rows(item, ranges, sink)]
+    rows = [row for item in dha.items for row in item_rows(item, ranges, sink)]
     A, B1, B2, B3, B5, updates = _equations(dha, dha.x, "state")
     C, D1, D2, D3, D5, outputs = _equations(dha, dha.y, "output")
     E1, E2, E3, E4, E5 = _inequalities(dha, rows)
     return Mld(
         dha.name,
-        x=_with_ranges(dha.x, ranges), u=_with_ranges(dha.u, ranges), y=_with_ranges(dha.y, ranges),
-        d=_with_ranges(dha.d, ranges), z=_with_ranges(dha.z, ranges),
+        x=with_ranges(dha.x, ranges), u=with_ranges(dha.u, ranges), y=with_ranges(dha.y, ranges),
+        d=with_ranges(dha.d, ranges), z=with_ranges(dha.z, ranges),
         A=A, B1=B1, B2=B2, B3=B3, B5=B5, C=C, D1=D1, D2=D2, D3=D3, D5=D5, E1=E1, E2=E2, E3=E3, E4=E4, E5=E5,
         rows=tuple(row.origin for row in rows),
         updates=updates,
@@ -80,7 +80,8 @@ def to_mld(dha: Dha, big_m: BigM, sink: Sink) -> Mld | None:  # noqa: ARG001 -- 
     )  # fmt: skip
 
 
-def _with_ranges(group: tuple[Variable, ...], ranges: Ranges) -> tuple[Variable, ...]:
+def with_ranges(group: tuple[Variable, ...], ranges: Ranges) -> tuple[Variable, ...]:
+    """Variables with their ranges as far as these can be known."""
     known = [(variable, *ranges.of_variable(variable.name)) for variable in group]
     return tuple(replace(variable, low=low, high=high) for variable, low, high in known)
 
@@ -88,7 +89,8 @@ def _with_ranges(group: tuple[Variable, ...], ranges: Ranges) -> tuple[Variable,
 # ---- rows of the items ------------------------------------------------------------------------------------------
 
 
-def _rows(item: DhaItem, ranges: Ranges, sink: Sink) -> Iterator[_Row]:
+def item_rows(item: DhaItem, ranges: Ranges, sink: Sink) -> Iterator[Row]:
+    """Rows of one item in the order of the original compiler; none for an update or output."""
     match item:
         case Event():
             forms, kind, name = _event_rows(item, ranges), "AD", item.name
@@ -106,7 +108,7 @@ def _rows(item: DhaItem, ranges: Ranges, sink: Sink) -> Iterator[_Row]:
         case _:
             return
     for subindex, form in enumerate(forms, start=1):
-        yield _Row(form, item.origin.row(kind, name, subindex))
+        yield Row(form, item.origin.row(kind, name, subindex))
 
 
 def _variable(name: str, coefficient: float = 1.0) -> Affine:
@@ -174,13 +176,8 @@ def _equations(
     constant = np.zeros(len(variables))
     origins = []
     for row, variable in enumerate(variables):
-        definition = dha.definitions.get(variable.name)
-        if isinstance(definition, AffineEquation | LogicEquation):
-            form = definition.value if isinstance(definition, AffineEquation) else _literal_form(definition.value)
-            origins.append(definition.origin.row(definition.item, variable.name, 1))
-        else:
-            form = Affine()
-            origins.append(Origin(text=f"{what} {variable.name} is never defined").row("", variable.name, 1))
+        form, origin = equation(dha, variable, what)
+        origins.append(origin)
         constant[row] = form.constant
         for name, coefficient in form.terms:
             block, column = place[name]
@@ -189,6 +186,15 @@ def _equations(
         array.setflags(write=False)
     A, B1, B2, B3 = blocks
     return A, B1, B2, B3, constant, tuple(origins)
+
+
+def equation(dha: Dha, variable: Variable, what: str) -> tuple[Affine, RowOrigin]:
+    """Right side and origin of an update or output; zero where nothing defines it."""
+    definition = dha.definitions.get(variable.name)
+    if isinstance(definition, AffineEquation | LogicEquation):
+        form = definition.value if isinstance(definition, AffineEquation) else _literal_form(definition.value)
+        return form, definition.origin.row(definition.item, variable.name, 1)
+    return Affine(), Origin(text=f"{what} {variable.name} is never defined").row("", variable.name, 1)
 
 
 def _literal_form(formula: Formula) -> Affine:
@@ -203,7 +209,7 @@ def _places(groups: tuple[tuple[Variable, ...], ...]) -> Mapping[str, tuple[int,
     return {v.name: (block, column) for block, group in enumerate(groups) for column, v in enumerate(group)}
 
 
-def _inequalities(dha: Dha, rows: list[_Row]) -> tuple[csr_array, csr_array, csr_array, csr_array, _Matrix]:
+def _inequalities(dha: Dha, rows: list[Row]) -> tuple[csr_array, csr_array, csr_array, csr_array, _Matrix]:
     """Rows as E2 d + E3 z <= E1 u + E4 x + E5."""
     from scipy.sparse import csr_array
 

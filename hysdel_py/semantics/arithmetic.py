@@ -8,6 +8,7 @@ from collections.abc import Callable, Mapping
 from hysdel_py.semantics.expressions import Constant, Expression, Reference, children
 from hysdel_py.syntax.operators import Op
 from hysdel_py.syntax.traversal import fold
+from hysdel_py.systems.symbolic import Symbolic, apply_symbolic
 
 __all__ = ["apply", "evaluate", "fault"]
 
@@ -51,7 +52,10 @@ def fault(op: Op, args: list[float]) -> str:
 def apply(op: Op, args: list[float]) -> float:
     """Apply an operator to numbers; a real power is a real power."""
     try:
-        return float(_OPERATIONS[op](*args))
+        result = float(_OPERATIONS[op](*args))
+        if result != result and any(isinstance(arg, Symbolic) for arg in args):  # noqa: PLR0124 -- not a number
+            return apply_symbolic("neg" if op is Op.NEGATE else op.value, args)
+        return result  # noqa: TRY300
     except ZeroDivisionError:
         return math.nan if args[0] == 0 or math.isnan(args[0]) else math.copysign(math.inf, args[0])
     except OverflowError:

@@ -5,6 +5,8 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 
+from hysdel_py.systems.symbolic import greatest, least
+
 __all__ = ["Affine"]
 
 
@@ -53,7 +55,8 @@ class Affine:
         for name, coefficient in self.terms:
             if coefficient:
                 ends = [coefficient * end for end in range_of(name)]
-                low, high = low + min(ends), high + max(ends)
+                least_end, greatest_end = _ordered(coefficient, *ends)
+                low, high = low + least_end, high + greatest_end
         return low, high
 
     def __str__(self) -> str:
@@ -62,6 +65,15 @@ class Affine:
             text += f" {'-' if self.constant < 0 else '+'} {abs(self.constant):.12g}"
         text = text.strip()
         return text[2:] if text.startswith("+ ") else text.replace("- ", "-", 1) if text.startswith("- ") else text
+
+
+def _ordered(coefficient: float, first: float, second: float) -> tuple[float, float]:
+    """Products of a coefficient with the ends of an interval, the lesser one first."""
+    if coefficient > 0:
+        return first, second
+    if coefficient < 0:
+        return second, first
+    return least(first, second), greatest(first, second)  # the sign of a parameter without value is open
 
 
 def _term(name: str, coefficient: float) -> str:

@@ -147,6 +147,11 @@ class Dha:
         """Auxiliaries that are defined in a circle, the first repeated at the end; empty if there is no circle."""
         return self._order_or_loop[1]
 
+    @property
+    def evaluation_order(self) -> tuple[str, ...]:
+        """Auxiliaries such that each comes after all it depends on; empty where an algebraic loop forbids that."""
+        return self._order_or_loop[0]
+
     @cached_property
     def _order_or_loop(self) -> tuple[tuple[str, ...], tuple[str, ...]]:
         """Auxiliaries such that each comes after all it depends on, or else a circle of them."""
@@ -203,9 +208,9 @@ class Dha:
 
     def _auxiliaries(self, x: Vector, u: Vector) -> dict[str, float]:
         """Values of all variables that the step reads."""
-        if self._undefined_but_used:
+        if self.undefined_but_used:
             raise SimulationError(
-                tuple(f"the auxiliary variable {name} is used but never defined" for name in self._undefined_but_used)
+                tuple(f"the auxiliary variable {name} is used but never defined" for name in self.undefined_but_used)
             )
         order, loop = self._order_or_loop
         values = {v.name: float(value) for v, value in zip((*self.x, *self.u), (*x, *u), strict=True)}
@@ -235,7 +240,8 @@ class Dha:
         return definition.value if isinstance(definition, AffineEquation) else Affine()
 
     @cached_property
-    def _undefined_but_used(self) -> tuple[str, ...]:
+    def undefined_but_used(self) -> tuple[str, ...]:
+        """Auxiliaries that something reads and nothing defines; a step is not defined then."""
         used = {name for item in self.items for name in _depends(item)}
         return tuple(v.name for v in (*self.d, *self.z) if v.name in used and v.name not in self.definitions)
 

@@ -4,9 +4,11 @@ import json
 
 import numpy as np
 import pytest
+from export.matlab_reader import read_matlab
 
 import hysdel_py as hys
 from hysdel_py.export.matrices import mld_to_dict
+from hysdel_py.export.reading import read_mat
 
 
 def test_listing_has_every_variable_equation_and_row(hysdel):
@@ -53,8 +55,8 @@ def test_npz_file(hysdel, tmp_path):
 @pytest.mark.parametrize(
     ("path", "words"),
     [
-        ("tank.txt", "--output tank.txt: a name that ends in .json or .npz was expected"),
-        ("tank", "a name that ends in .json or .npz was expected"),
+        ("tank.txt", "--output tank.txt: a name that ends in .json, .npz, .mat, .m or .py was expected"),
+        ("tank", "a name that ends in .json, .npz, .mat, .m or .py was expected"),
         ("nowhere/tank.json", "--output nowhere/tank.json: there is no folder nowhere"),
         ("folder.json", "--output folder.json: this is a folder"),
     ],
@@ -79,3 +81,16 @@ def test_model_without_rows(hysdel, tmp_path):
     path = tmp_path / "free.hys"
     path.write_text("SYSTEM s { INTERFACE { STATE { REAL x [0, 1]; } } IMPLEMENTATION { CONTINUOUS { x = x; } } }")
     assert hysdel("compile", path).out.splitlines()[0].endswith("0 rows")
+
+
+def test_files_for_other_programs(hysdel, tmp_path):
+    mld = hys.load(tmp_path / "tank.hys").mld
+    for name in ("tank.mat", "tank.m", "tank_step.py"):
+        shown = hysdel("compile", "tank.hys", "-o", name)
+        assert (shown.status, shown.err) == (0, "")
+        assert shown.out.startswith(f"{name}: 2 states")
+    assert (read_mat(tmp_path / "tank.mat").A == mld.A).all()
+    assert (read_matlab((tmp_path / "tank.m").read_text())["E5"].ravel() == mld.E5).all()
+    namespace = {}
+    exec((tmp_path / "tank_step.py").read_text(), namespace)
+    assert namespace["step"]([1, 0], [0.5, 1])[0] == [1.5, 1.0]
