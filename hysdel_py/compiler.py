@@ -11,7 +11,9 @@ from hysdel_py.diagnostics.sink import Sink
 from hysdel_py.lowering.big_m import BigM
 from hysdel_py.lowering.constants import Constants
 from hysdel_py.lowering.dha import to_dha
+from hysdel_py.lowering.lints import lint
 from hysdel_py.lowering.mld import to_mld
+from hysdel_py.semantics.lints import note_unused_parameters
 from hysdel_py.semantics.parameters import bind_parameters, missing_parameters
 from hysdel_py.semantics.resolve import resolve
 from hysdel_py.semantics.typed_model import TypedModel
@@ -51,6 +53,7 @@ def analyse(
     if recovered.lost:
         sink.forget(lambda found: _is_about(found, recovered.lost, source))
     sink.raise_errors(source)
+    note_unused_parameters(model, sink)
     return model, values, sink.diagnostics
 
 
@@ -78,8 +81,10 @@ def lower_to_mld(model: TypedModel, dha: Dha, big_m: BigM) -> tuple[Mld, tuple[D
     CompileError
     """
     sink = Sink()
-    mld = to_mld(dha, big_m, sink)
+    declared = {symbol.name: symbol.span for symbol in model.symbols if symbol.line}
+    mld = to_mld(dha, big_m, sink, declared)
     sink.raise_errors(model.source)
+    lint(model, dha, sink)
     assert mld is not None  # a failed lowering has reported an error
     return mld, sink.diagnostics
 
