@@ -8,7 +8,7 @@ from collections.abc import Iterable
 from dataclasses import dataclass, replace
 from typing import Any
 
-from hysdel_py.cli.arguments import add_parameters, assignments
+from hysdel_py.cli.arguments import add_parameters, load_model
 from hysdel_py.cli.output import print_json
 from hysdel_py.diagnostics.codes import Code
 from hysdel_py.diagnostics.diagnostic import Diagnostic, Severity
@@ -16,11 +16,12 @@ from hysdel_py.diagnostics.explain import explain
 from hysdel_py.diagnostics.render import as_data, render
 from hysdel_py.diagnostics.sarif import as_sarif
 from hysdel_py.errors import CompileError
-from hysdel_py.model import Model, load
+from hysdel_py.model import Model
 from hysdel_py.semantics.parameters import missing_parameters
 from hysdel_py.shipped import locate, shipped_models
 from hysdel_py.syntax.reader import read_source
 from hysdel_py.syntax.source import Source
+from hysdel_py.version import __version__
 
 __all__ = ["add_parser"]
 
@@ -80,8 +81,7 @@ class _Report:
 def run(options: argparse.Namespace) -> int:
     """Run the command."""
     raised, ignored = _codes(options.warn), _codes(options.ignore)
-    parameters = assignments(options.param, "--param")
-    reports = [_chosen(_check(file, parameters), raised, ignored) for file in options.files]
+    reports = [_chosen(_check(file, options.param), raised, ignored) for file in options.files]
     {"text": _print_text, "json": _print_json, "sarif": _print_sarif}[options.format](reports)
     failing = (Severity.ERROR, Severity.WARNING) if options.strict else (Severity.ERROR,)
     return int(any(report.has(severity) for report in reports for severity in failing))
@@ -92,10 +92,10 @@ def _codes(texts: Iterable[str]) -> set[Code]:
     return {Code(explain(part)[2:8]) for text in texts for part in text.split(",")}
 
 
-def _check(file: str, parameters: dict[str, float]) -> _Report:
+def _check(file: str, parameters: list[str]) -> _Report:
     model = None
     try:
-        model = load(file, **parameters)
+        model = load_model(argparse.Namespace(file=file, param=parameters))
         if not missing_parameters(model.typed, model.parameters):
             _ = model.mld  # lowering finds the mistakes that need numbers
     except CompileError as error:
@@ -147,7 +147,7 @@ def _print_json(reports: list[_Report]) -> None:
 
 
 def _print_sarif(reports: list[_Report]) -> None:
-    print_json(as_sarif([(report.source, d) for report in reports for d in report.diagnostics]))
+    print_json(as_sarif([(report.source, d) for report in reports for d in report.diagnostics], __version__))
 
 
 def _missing(model: Model) -> list[str]:

@@ -9,7 +9,6 @@ from hysdel_py.diagnostics.diagnostic import Diagnostic, Severity
 from hysdel_py.diagnostics.explain import title
 from hysdel_py.diagnostics.render import region
 from hysdel_py.syntax.source import Source, Span
-from hysdel_py.version import __version__
 
 __all__ = ["SCHEMA", "as_sarif"]
 
@@ -18,11 +17,11 @@ SCHEMA = "https://json.schemastore.org/sarif-2.1.0.json"
 _LEVEL = {Severity.ERROR: "error", Severity.WARNING: "warning", Severity.NOTE: "note"}
 
 
-def as_sarif(found: Sequence[tuple[Source, Diagnostic]]) -> dict[str, Any]:
-    """One log with one run, whose rules are the codes that occur."""
+def as_sarif(found: Sequence[tuple[Source, Diagnostic]], version: str) -> dict[str, Any]:
+    """One log with one run, whose rules are the codes that occur; `version` is that of the program."""
     codes = sorted({diagnostic.code for _, diagnostic in found}, key=lambda code: code.value)
     rules = [{"id": code.value, "name": code.name, "shortDescription": {"text": title(code)}} for code in codes]
-    driver = {"name": "hysdel", "version": __version__, "rules": rules}
+    driver = {"name": "hysdel", "version": version, "rules": rules}
     number = {code: index for index, code in enumerate(codes)}
     results = [_result(source, diagnostic, number[diagnostic.code]) for source, diagnostic in found]
     run = {"tool": {"driver": driver}, "columnKind": "unicodeCodePoints", "results": results}

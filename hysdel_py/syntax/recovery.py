@@ -19,7 +19,7 @@ from hysdel_py.syntax import ast, repairs
 from hysdel_py.syntax.automaton import Automaton
 from hysdel_py.syntax.messages import SyntaxReporter
 from hysdel_py.syntax.source import Source
-from hysdel_py.syntax.tokens import BAD, COMMENT_STARTS, END, opens_section, span_of, tokenize
+from hysdel_py.syntax.tokens import BAD, COMMENT_STARTS, END, is_keyword, opens_section, span_of, tokenize
 
 if TYPE_CHECKING:
     from lark import Lark
@@ -253,7 +253,7 @@ class _Parsing:
 
     def _end_of_item(self, position: int, depth: int) -> int:
         """Behind the semicolon of the item at a position, or at what must be outside of it; `depth` braces are open."""
-        sections = self._frames[-1].holds_sections
+        sections, passed = self._frames[-1].holds_sections, False
         for index in range(position, len(self._tokens)):
             token = self._tokens[index]
             if token.type == END or (index > position and depth == 0 and opens_section(self._tokens, index)):
@@ -261,15 +261,24 @@ class _Parsing:
             if token.type == "LBRACE":
                 depth += 1
                 self._unbalanced |= sections
+            elif token.type == "RBRACE" and depth == 0:
+                if passed or self._closes(index):
+                    return index + passed
             elif token.type == "RBRACE":
-                if depth == 0:
-                    return index
                 depth -= 1
                 if depth == 0 and not self._ends_later(index, sections):
                     return index + 1
-            elif token.type == "SEMICOLON" and (depth == 0 or (not sections and self._item_follows(index))):
+            elif token.type == "SEMICOLON" and sections:
+                # The opening brace of a section is lost, so that the next closing one belongs to it.
+                passed |= depth == 0
+                self._unbalanced |= passed
+            elif token.type == "SEMICOLON" and (depth == 0 or self._item_follows(index)):
                 return index + 1
         return len(self._tokens) - 1
+
+    def _closes(self, index: int) -> bool:
+        """Whether what stands behind a closing brace may stand there; otherwise the brace is a stray one."""
+        return self._tokens[index + 1].type in ("RBRACE", END) or is_keyword(self._tokens[index + 1])
 
     def _ends_later(self, index: int, sections: bool) -> bool:
         """Whether a closing brace belongs to an item whose semicolon is still to come."""

@@ -22,7 +22,7 @@ def log(tmp_path):
     with pytest.raises(hys.CompileError) as caught:
         hys.load(path)
     source = Source(path.name, TEXT, path)
-    return json.loads(json.dumps(as_sarif([(source, d) for d in caught.value.diagnostics])))
+    return json.loads(json.dumps(as_sarif([(source, d) for d in caught.value.diagnostics], "1.0")))
 
 
 def test_log_and_run(log):
@@ -55,4 +55,4 @@ def test_results(log):
 
 
 def test_empty_log():
-    assert as_sarif([])["runs"][0]["results"] == []
+    assert as_sarif([], "1.0")["runs"][0]["results"] == []

@@ -69,6 +69,8 @@ def test_good_model_is_good():
         ([("d & b;", "d & b);")], [("HYS102", 11, 22)]),
         ([("2; }\n  }", "2; }\n  } }")], [("HYS102", 7, 5)]),
         ([("d, e;", "d,, e;")], [("HYS102", 9, 26)]),
+        ([("MUST { x", "MUST @ x")], [("HYS101", 16, 10)]),
+        ([("y = z;", "} = z;")], [("HYS102", 15, 16)]),
         # keywords
         ([("STATE {", "state {")], [("HYS106", 3, 5)]),
         ([("REAL x", "Real x")], [("HYS106", 3, 13)]),
@@ -170,6 +172,6 @@ def test_the_number_of_errors_is_limited():
 )
 @pytest.mark.parametrize("before", ["\n", "SYSTEM s { INTERFACE { ", GOOD[: GOOD.index("LOGIC { ")] + "LOGIC { "])
 def test_garbage_costs_little(before, garbage):
-    start = time.perf_counter()
+    start = time.process_time()
     assert found(before + garbage * (60_000 // len(garbage)))
-    assert time.perf_counter() - start < 3
+    assert time.process_time() - start < 3
