@@ -11,13 +11,16 @@ from hysdel_py.diagnostics.sink import Sink
 from hysdel_py.lowering.big_m import BigM
 from hysdel_py.lowering.constants import Constants
 from hysdel_py.lowering.dha import to_dha
+from hysdel_py.lowering.lints import lint
 from hysdel_py.lowering.mld import to_mld
 from hysdel_py.lowering.symbolic import to_symbolic_mld
+from hysdel_py.semantics.lints import note_unused_parameters
 from hysdel_py.semantics.parameters import bind_parameters, missing_parameters
 from hysdel_py.semantics.resolve import resolve
 from hysdel_py.semantics.typed_model import TypedModel
-from hysdel_py.syntax.parser import parse
+from hysdel_py.syntax.parser import parse_what_is_sound
 from hysdel_py.syntax.reader import read_source
+from hysdel_py.syntax.source import Source
 from hysdel_py.systems.dha import Dha
 from hysdel_py.systems.mld import Mld
 from hysdel_py.systems.symbolic_mld import SymbolicMld
@@ -43,12 +46,16 @@ def analyse(
     sink = Sink()
     source = read_source(path_or_text, sink)
     sink.raise_errors(source)
-    system = parse(source, sink)
-    sink.raise_errors(source)
-    assert system is not None  # a failed parse has reported an error
-    model = resolve(system, source, sink)
+    recovered = parse_what_is_sound(source, sink)
+    if recovered.system is None:
+        sink.raise_errors(source)
+    assert recovered.system is not None  # a failed parse has reported an error
+    model = resolve(recovered.system, source, sink)
     values = bind_parameters(model, given, sink)
+    if recovered.lost:
+        sink.forget(lambda found: _is_about(found, recovered.lost, source))
     sink.raise_errors(source)
+    note_unused_parameters(model, sink)
     return model, values, sink.diagnostics
 
 
@@ -76,8 +83,10 @@ def lower_to_mld(model: TypedModel, dha: Dha, big_m: BigM) -> tuple[Mld, tuple[D
     CompileError
     """
     sink = Sink()
-    mld = to_mld(dha, big_m, sink)
+    declared = {symbol.name: symbol.span for symbol in model.symbols if symbol.line}
+    mld = to_mld(dha, big_m, sink, declared)
     sink.raise_errors(model.source)
+    lint(model, dha, sink)
     assert mld is not None  # a failed lowering has reported an error
     return mld, sink.diagnostics
 
@@ -93,6 +102,17 @@ def lower_to_symbolic_mld(model: TypedModel, dha: Dha) -> tuple[SymbolicMld, tup
     mld = to_symbolic_mld(dha, sink)
     sink.raise_errors(model.source)
     return mld, sink.diagnostics
+
+
+def _is_about(found: Diagnostic, names: frozenset[str], source: Source) -> bool:
+    """Whether a diagnostic misses one of the names whose declaration was skipped after a syntax error."""
+    if found.code is Code.PARAMETER_UNKNOWN:
+        return found.message.rpartition(" ")[2] in names
+    return (
+        found.code is Code.UNDECLARED
+        and found.span is not None
+        and source.text[found.span.start : found.span.end] in names
+    )
 
 
 def _require_parameters(model: TypedModel, values: Mapping[str, float], sink: Sink) -> None:

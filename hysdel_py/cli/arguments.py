@@ -16,8 +16,8 @@ from hysdel_py.shipped import shipped_models
 from hysdel_py.systems.signals import Variable, as_vector
 
 __all__ = [
-    "DataError", "add_model", "add_output", "add_start", "assignments", "example_values", "given_vector",
-    "join_negative_values", "load_model", "number", "parts", "span",
+    "DataError", "add_model", "add_output", "add_parameters", "add_start", "assignments", "example_values",
+    "given_vector", "join_negative_values", "load_model", "number", "parts", "span",
 ]  # fmt: skip
 
 _TRUTH = {"true": 1.0, "false": 0.0}
@@ -47,6 +47,11 @@ def add_model(parser: argparse.ArgumentParser) -> None:
     """Add the model file and its parameters."""
     shipped = ", ".join(shipped_models())
     parser.add_argument("file", metavar="FILE", help=f"a .hys file, or a shipped model: {shipped}")
+    add_parameters(parser)
+
+
+def add_parameters(parser: argparse.ArgumentParser) -> None:
+    """Add the values of parameters."""
     parser.add_argument(
         "--param", metavar="NAME=VALUE", action="append", default=[], help="value of a parameter; may be repeated"
     )

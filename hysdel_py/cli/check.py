@@ -4,23 +4,37 @@ from __future__ import annotations
 
 import argparse
 import sys
+from collections.abc import Iterable
+from dataclasses import dataclass, replace
 from typing import Any
 
-from hysdel_py.cli.arguments import add_model, add_output, load_model
+from hysdel_py.cli.arguments import add_parameters, load_model
 from hysdel_py.cli.output import print_json
-from hysdel_py.diagnostics.diagnostic import Severity
+from hysdel_py.diagnostics.codes import Code
+from hysdel_py.diagnostics.diagnostic import Diagnostic, Severity
+from hysdel_py.diagnostics.explain import explain
 from hysdel_py.diagnostics.render import as_data, render
+from hysdel_py.diagnostics.sarif import as_sarif
+from hysdel_py.errors import CompileError
 from hysdel_py.model import Model
 from hysdel_py.semantics.parameters import missing_parameters
+from hysdel_py.shipped import locate, shipped_models
+from hysdel_py.syntax.reader import read_source
+from hysdel_py.syntax.source import Source
+from hysdel_py.version import __version__
 
 __all__ = ["add_parser"]
 
 _EPILOG = """\
 examples:
   hysdel check model.hys
-  hysdel check model.hys --param ts=0.01 --json
+  hysdel check *.hys --strict
+  hysdel check model.hys --param ts=0.01 --format json
+  hysdel check model.hys -W HYS525 --ignore HYS501
 
 Parameters without a value do not fail the check; what can be checked without them is.
+hysdel explain CODE tells more about a diagnostic.
+exit status: 1 if any file has an error, or with --strict a warning
 """
 
 
@@ -29,45 +43,133 @@ def add_parser(commands: argparse._SubParsersAction[argparse.ArgumentParser]) ->
     parser = commands.add_parser(
         "check",
         help="find mistakes in a model",
-        description="Check a model and say what is wrong, where, and what to do about it.",
+        description="Check models and say what is wrong, where, and what to do about it.",
         epilog=_EPILOG,
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )
-    add_model(parser)
-    add_output(parser, "sizes and diagnostics")
+    shipped = ", ".join(shipped_models())
+    parser.add_argument("files", metavar="FILE", nargs="+", help=f"a .hys file, or a shipped model: {shipped}")
+    add_parameters(parser)
+    parser.add_argument("--format", choices=("text", "json", "sarif"), default="text", help="form of the report")
+    parser.add_argument("--json", dest="format", action="store_const", const="json", help="the same as --format json")
+    parser.add_argument("--strict", action="store_true", help="warnings fail the check")
+    parser.add_argument(
+        "-W", dest="warn", metavar="CODE", action="append", default=[], help="show notes of this code as warnings"
+    )
+    parser.add_argument(
+        "--ignore", metavar="CODE", action="append", default=[], help="say nothing of warnings and notes of this code"
+    )
     parser.set_defaults(run=run)
+
+
+@dataclass(frozen=True, slots=True)
+class _Report:
+    """What the check of one file found; `model` is None where it has errors."""
+
+    source: Source
+    model: Model | None
+    diagnostics: tuple[Diagnostic, ...]
+
+    def has(self, severity: Severity) -> bool:
+        return any(d.severity is severity for d in self.diagnostics)
+
+    @property
+    def warnings(self) -> int:
+        return sum(d.severity is Severity.WARNING for d in self.diagnostics)
 
 
 def run(options: argparse.Namespace) -> int:
     """Run the command."""
-    model = load_model(options)
-    missing = [symbol.name for symbol in missing_parameters(model.typed, model.parameters)]
-    if not missing:
-        _ = model.mld  # lowering finds the mistakes that need numbers
-    found = [d for d in model.diagnostics if d.severity is not Severity.NOTE]
-    if options.json:
-        source = model.typed.source
-        print_json(_summary(model, missing) | {"diagnostics": [as_data(d, source) for d in model.diagnostics]})
-        return 0
-    for diagnostic in found:
-        print(render(diagnostic, model.typed.source), file=sys.stderr)
-    print(_sentence(model, missing, len(found)))
-    return 0
+    raised, ignored = _codes(options.warn), _codes(options.ignore)
+    reports = [_chosen(_check(file, options.param), raised, ignored) for file in options.files]
+    {"text": _print_text, "json": _print_json, "sarif": _print_sarif}[options.format](reports)
+    failing = (Severity.ERROR, Severity.WARNING) if options.strict else (Severity.ERROR,)
+    return int(any(report.has(severity) for report in reports for severity in failing))
 
 
-def _summary(model: Model, missing: list[str]) -> dict[str, Any]:
+def _codes(texts: Iterable[str]) -> set[Code]:
+    """Codes of an option; several may stand in one text, parted by commas."""
+    return {Code(explain(part)[2:8]) for text in texts for part in text.split(",")}
+
+
+def _check(file: str, parameters: list[str]) -> _Report:
+    model = None
+    try:
+        model = load_model(argparse.Namespace(file=file, param=parameters))
+        if not missing_parameters(model.typed, model.parameters):
+            _ = model.mld  # lowering finds the mistakes that need numbers
+    except CompileError as error:
+        earlier = () if model is None else model.diagnostics
+        source = _source(file) if model is None else model.typed.source
+        return _Report(source, None, tuple(dict.fromkeys((*earlier, *error.diagnostics))))
+    return _Report(model.typed.source, model, model.diagnostics)
+
+
+def _source(file: str) -> Source:
+    """The source of a file that could not be loaded, for the places in it."""
+    from hysdel_py.diagnostics.sink import Sink
+
+    return read_source(locate(file), Sink())
+
+
+def _chosen(report: _Report, raised: set[Code], ignored: set[Code]) -> _Report:
+    """The report with the severities that the options ask for."""
+    kept = (d for d in report.diagnostics if d.severity is Severity.ERROR or d.code not in ignored)
+    return replace(
+        report,
+        diagnostics=tuple(
+            replace(d, severity=Severity.WARNING) if d.severity is Severity.NOTE and d.code in raised else d
+            for d in kept
+        ),
+    )
+
+
+def _print_text(reports: list[_Report]) -> None:
+    for report in reports:
+        shown = [d for d in report.diagnostics if d.severity is not Severity.NOTE]
+        if shown:
+            end = "" if report.model is None and len(reports) == 1 else "\n"
+            print("\n".join(render(d, report.source) for d in shown), end=end, file=sys.stderr)
+        if report.model is not None:
+            print(_sentence(report, report.model))
+        elif len(reports) > 1:
+            errors = (
+                len(report.diagnostics) - report.warnings - sum(d.severity is Severity.NOTE for d in report.diagnostics)
+            )
+            print(f"{report.source.name}: {errors} mistake{'s' * (errors != 1)} found")
+
+
+def _print_json(reports: list[_Report]) -> None:
+    """One object for one file, a list of them for several."""
+    found = [_summary(report) | {"diagnostics": [as_data(d, report.source) for d in report.diagnostics]}
+             for report in reports]  # fmt: skip
+    print_json(found[0] if len(found) == 1 else found)
+
+
+def _print_sarif(reports: list[_Report]) -> None:
+    print_json(as_sarif([(report.source, d) for report in reports for d in report.diagnostics], __version__))
+
+
+def _missing(model: Model) -> list[str]:
+    return [symbol.name for symbol in missing_parameters(model.typed, model.parameters)]
+
+
+def _summary(report: _Report) -> dict[str, Any]:
+    model = report.model
+    if model is None:
+        return {"file": report.source.name, "error": "the model has mistakes"}
+    missing = _missing(model)
     sizes = {} if missing else {f"n{key}": getattr(model.mld, f"n{key}") for key in ("x", "u", "y", "d", "z", "e")}
-    return {"name": model.name, "file": model.typed.source.name, "missing_parameters": missing, **sizes}
+    return {"name": model.name, "file": report.source.name, "missing_parameters": missing, **sizes}
 
 
-def _sentence(model: Model, missing: list[str], warnings: int) -> str:
+def _sentence(report: _Report, model: Model) -> str:
+    warnings, missing = report.warnings, _missing(model)
     counted = f", {warnings} warning{'s' * (warnings != 1)}" if warnings else ""
     if missing:
-        return (
-            f"{model.typed.source.name}: no mistakes found{counted}; parameters without a value: {', '.join(missing)}"
-        )
+        return f"{report.source.name}: no mistakes found{counted}; parameters without a value: {', '.join(missing)}"
     m = model.mld
     return (
-        f"{model.typed.source.name}: no mistakes found{counted}; {m.nx} states, {m.nu} inputs, {m.ny} outputs, "
+        f"{report.source.name}: no mistakes found{counted}; {m.nx} states, {m.nu} inputs, {m.ny} outputs, "
         f"{m.nd} Boolean and {m.nz} real auxiliaries, {m.ne} rows"
     )

@@ -8,7 +8,7 @@ __all__ = ["Code"]
 
 
 class Code(Enum):
-    """Code of a diagnostic; the value is printed and can be looked up in ``docs/errors.md``."""
+    """Code of a diagnostic; the value is printed and can be looked up by ``hysdel explain``."""
 
     # reading and parsing
     UNREADABLE = "HYS001"
@@ -18,6 +18,10 @@ class Code(Enum):
     EMPTY = "HYS005"
     BAD_CHARACTER = "HYS101"
     UNEXPECTED = "HYS102"
+    TOO_MANY_ERRORS = "HYS103"
+    MISSING_SEMICOLON = "HYS104"
+    UNCLOSED = "HYS105"
+    MISSPELT_KEYWORD = "HYS106"
     # names
     UNDECLARED = "HYS201"
     DECLARED_TWICE = "HYS202"
@@ -50,6 +54,16 @@ class Code(Enum):
     SWAPPED_BOUNDS = "HYS503"
     LOOSE_TRIPLE = "HYS504"
     ALGEBRAIC_LOOP = "HYS505"
-    NOT_A_NUMBER = "HYS520"
+    CONSTANT_COMPARISON = "HYS520"
+    NEVER_SWITCHES = "HYS521"
+    CONSTANT_CONDITION = "HYS522"
+    MUST_NEVER_HOLDS = "HYS523"
+    MUST_ALWAYS_HOLDS = "HYS524"
+    UNUSED_PARAMETER = "HYS525"
+    LARGE_BIG_M = "HYS526"
+    SMALL_EPSILON = "HYS527"
+    MISSING_BOUNDS = "HYS528"
+    LOOSE_BOUNDS = "HYS529"
+    NOT_A_NUMBER = "HYS530"
     # what HYSDEL 2.0.5 would refuse or get wrong
     EXTENSION = "HYS901"

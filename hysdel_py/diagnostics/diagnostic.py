@@ -4,11 +4,12 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from enum import Enum
+from typing import NamedTuple
 
 from hysdel_py.diagnostics.codes import Code
 from hysdel_py.syntax.source import Span
 
-__all__ = ["Diagnostic", "Label", "Severity"]
+__all__ = ["Diagnostic", "Fix", "Label", "Severity"]
 
 
 class Severity(Enum):
@@ -27,6 +28,16 @@ class Label:
     text: str
 
 
+class Fix(NamedTuple):
+    """A replacement that would repair the source: the text of `span` becomes `replacement`.
+
+    An empty span inserts, an empty replacement deletes.
+    """
+
+    span: Span
+    replacement: str
+
+
 @dataclass(frozen=True, slots=True)
 class Diagnostic:
     """What is wrong, where, and what to do about it.
@@ -42,6 +53,8 @@ class Diagnostic:
     help : str
         What to do, empty if there is no advice.
     labels : tuple of Label
+    fixes : tuple of Fix
+        Replacements that belong together and would repair it; empty if none is certain enough.
     """
 
     code: Code
@@ -50,3 +63,4 @@ class Diagnostic:
     span: Span | None = None
     help: str = ""
     labels: tuple[Label, ...] = ()
+    fixes: tuple[Fix, ...] = ()

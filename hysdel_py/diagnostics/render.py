@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from typing import Any
 
-from hysdel_py.diagnostics.diagnostic import Diagnostic
+from hysdel_py.diagnostics.diagnostic import Diagnostic, Fix
 from hysdel_py.syntax.source import Source, Span
 
-__all__ = ["as_data", "render"]
+__all__ = ["as_data", "region", "render"]
 
 _WIDTH = 120
 
@@ -24,7 +24,16 @@ def render(diagnostic: Diagnostic, source: Source) -> str:
         lines += [f"  {label.text}:", *_place(label.span, source, "-")]
     if diagnostic.help:
         lines.append(f"  help: {diagnostic.help}")
+    lines += [f"  fix: {_spoken(fix, source)}" for fix in diagnostic.fixes]
     return "\n".join(lines) + "\n"
+
+
+def _spoken(fix: Fix, source: Source) -> str:
+    """A replacement in words."""
+    written = source.text[fix.span.start : fix.span.end]
+    if not written:
+        return f"insert '{fix.replacement}'"
+    return f"replace '{written}' by '{fix.replacement}'" if fix.replacement else f"delete '{written}'"
 
 
 def _place(span: Span, source: Source, mark: str) -> list[str]:
@@ -60,7 +69,16 @@ def as_data(diagnostic: Diagnostic, source: Source) -> dict[str, Any]:
         "file": source.name,
     }
     if diagnostic.span is not None:
-        line, column = source.position(diagnostic.span.start)
-        end_line, end_column = source.position(diagnostic.span.end)
-        data |= {"line": line, "column": column, "end_line": end_line, "end_column": end_column}
+        data |= region(diagnostic.span, source)
+    if diagnostic.labels:
+        data["labels"] = [{"text": label.text, **region(label.span, source)} for label in diagnostic.labels]
+    if diagnostic.fixes:
+        data["fixes"] = [{"replacement": f.replacement, **region(f.span, source)} for f in diagnostic.fixes]
     return data
+
+
+def region(span: Span, source: Source) -> dict[str, int]:
+    """First and last place of a span; lines and columns count from 1, the last column is the one behind it."""
+    line, column = source.position(span.start)
+    end_line, end_column = source.position(span.end)
+    return {"line": line, "column": column, "end_line": end_line, "end_column": end_column}

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 from hysdel_py.diagnostics.codes import Code
-from hysdel_py.diagnostics.diagnostic import Diagnostic, Label, Severity
+from hysdel_py.diagnostics.diagnostic import Diagnostic, Fix, Label, Severity
 from hysdel_py.diagnostics.render import as_data, render
 from hysdel_py.errors import CompileError
 from hysdel_py.syntax.source import Source, Span
@@ -18,20 +20,49 @@ class Sink:
         self._found: dict[Diagnostic, None] = {}
 
     def error(
-        self, code: Code, message: str, span: Span | None = None, *, help: str = "", labels: tuple[Label, ...] = ()
+        self,
+        code: Code,
+        message: str,
+        span: Span | None = None,
+        *,
+        help: str = "",
+        labels: tuple[Label, ...] = (),
+        fixes: tuple[tuple[Span, str], ...] = (),
     ) -> None:
         """Report a mistake that makes the source unusable."""
-        self._found[Diagnostic(code, Severity.ERROR, message, span, help, labels)] = None
+        self._add(Diagnostic(code, Severity.ERROR, message, span, help, labels, _fixes(fixes)))
 
     def warning(
-        self, code: Code, message: str, span: Span | None = None, *, help: str = "", labels: tuple[Label, ...] = ()
+        self,
+        code: Code,
+        message: str,
+        span: Span | None = None,
+        *,
+        help: str = "",
+        labels: tuple[Label, ...] = (),
+        fixes: tuple[tuple[Span, str], ...] = (),
     ) -> None:
         """Report something that is probably not meant."""
-        self._found[Diagnostic(code, Severity.WARNING, message, span, help, labels)] = None
+        self._add(Diagnostic(code, Severity.WARNING, message, span, help, labels, _fixes(fixes)))
 
-    def note(self, code: Code, message: str, span: Span | None = None) -> None:
+    def note(
+        self,
+        code: Code,
+        message: str,
+        span: Span | None = None,
+        *,
+        help: str = "",
+        labels: tuple[Label, ...] = (),
+    ) -> None:
         """Report something that is worth knowing and harmless."""
-        self._found[Diagnostic(code, Severity.NOTE, message, span)] = None
+        self._add(Diagnostic(code, Severity.NOTE, message, span, help, labels))
+
+    def _add(self, diagnostic: Diagnostic) -> None:
+        self._found[diagnostic] = None
+
+    def forget(self, unwanted: Callable[[Diagnostic], bool]) -> None:
+        """Drop what an earlier mistake alone has caused."""
+        self._found = {found: None for found in self._found if not unwanted(found)}
 
     @property
     def diagnostics(self) -> tuple[Diagnostic, ...]:
@@ -49,3 +80,7 @@ class Sink:
             shown = tuple(d for d in self.diagnostics if d.severity is not Severity.NOTE)
             rendered = "\n".join(render(d, source) for d in shown)
             raise CompileError(shown, rendered, tuple(as_data(d, source) for d in shown))
+
+
+def _fixes(pairs: tuple[tuple[Span, str], ...]) -> tuple[Fix, ...]:
+    return tuple(Fix(*pair) for pair in pairs)

@@ -12,6 +12,7 @@ from enum import Enum
 from types import MappingProxyType
 
 from hysdel_py.diagnostics.codes import Code
+from hysdel_py.diagnostics.diagnostic import Label
 from hysdel_py.diagnostics.sink import Sink
 from hysdel_py.syntax.source import Span
 from hysdel_py.systems.affine import Affine
@@ -37,9 +38,10 @@ class Ranges:
     Mistakes are reported once for each item that needs a range which does not exist.
     """
 
-    def __init__(self, dha: Dha, sink: Sink) -> None:
+    def __init__(self, dha: Dha, sink: Sink, declared: Mapping[str, Span] | None = None) -> None:
         self._definitions = dha.definitions
         self._sink = sink
+        self._declared = declared or {}
         self._tolerance = dha.tolerances.range
         self._known: dict[str, Interval] = {
             v.name: (v.low, v.high) for v in (*dha.x, *dha.u, *dha.d, *dha.z) if is_finite(v.low) or is_finite(v.high)
@@ -132,6 +134,7 @@ class Ranges:
             f"this item needs a big-M constant, but {fact}",
             Span(origin.start, origin.end),
             help=f"declare a range, as in REAL {names[0] if names else 'x'} [low, high];",
+            labels=tuple(Label(self._declared[name], "declared here") for name in names if name in self._declared),
         )
 
 

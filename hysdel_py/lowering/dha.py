@@ -10,9 +10,10 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 from dataclasses import replace
-from itertools import takewhile
+from itertools import pairwise, takewhile
 
 from hysdel_py.diagnostics.codes import Code
+from hysdel_py.diagnostics.diagnostic import Label
 from hysdel_py.diagnostics.sink import Sink
 from hysdel_py.lowering.cnf import TooManyClauses, cnf
 from hysdel_py.lowering.constants import Constants
@@ -92,7 +93,13 @@ def _warn_of_loop(dha: Dha, sink: Sink) -> None:
             f"algebraic loop {' -> '.join(loop)}: the MLD form may have several solutions or none, the Dha has no step",
             Span(first.start, first.end),
             help="break the loop by a state",
+            labels=tuple(_defined_by(dha, name, needed) for name, needed in pairwise(loop))[1:],
         )
+
+
+def _defined_by(dha: Dha, name: str, needed: str) -> Label:
+    origin = dha.definitions[name].origin
+    return Label(Span(origin.start, origin.end), f"{name} needs {needed} here")
 
 
 def _variable(symbol: Symbol, kind: Kind, expressions: ExpressionLowering, sink: Sink) -> Variable:

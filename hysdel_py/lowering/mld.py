@@ -52,8 +52,19 @@ class Row:
     origin: RowOrigin
 
 
-def to_mld(dha: Dha, big_m: BigM, sink: Sink) -> Mld | None:  # noqa: ARG001 -- there is one rule so far
-    """Lower a Dha; None where the model is too large for dense matrices, which is an error in the sink."""
+def to_mld(
+    dha: Dha,
+    big_m: BigM,  # noqa: ARG001 -- there is one rule so far
+    sink: Sink,
+    declared: Mapping[str, Span] | None = None,
+) -> Mld | None:
+    """Lower a Dha; None where the model is too large for dense matrices, which is an error in the sink.
+
+    Parameters
+    ----------
+    declared : mapping of name to Span, optional
+        Where variables are declared, to be shown beside a missing range.
+    """
     columns = dha.x + dha.u + dha.d + dha.z
     if (len(dha.x) + len(dha.y)) * len(columns) > MAX_DENSE_ENTRIES:
         sink.error(
@@ -62,7 +73,7 @@ def to_mld(dha: Dha, big_m: BigM, sink: Sink) -> Mld | None:  # noqa: ARG001 -- 
             f"than {MAX_DENSE_ENTRIES} entries",
         )
         return None
-    ranges = Ranges(dha, sink)
+    ranges = Ranges(dha, sink, declared)
     rows = [row for item in dha.items for row in item_rows(item, ranges, sink)]
     A, B1, B2, B3, B5, updates = _equations(dha, dha.x, "state")
     C, D1, D2, D3, D5, outputs = _equations(dha, dha.y, "output")

@@ -178,6 +178,7 @@ class _ItemResolver:
                 Code.DEFINED_BY_ITSELF,
                 f"{name} is defined by itself",
                 item.span,
+                labels=(Label(item.target.span, "declared here"),) if item.target else (),
                 help="only states have a value from the step before; use a state",
             )
 

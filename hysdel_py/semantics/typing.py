@@ -159,5 +159,7 @@ def _boolean_help(expression: Expression) -> str:
 def _similar(name: str, known: tuple[str, ...]) -> str:
     from difflib import get_close_matches
 
-    close = get_close_matches(name, known, n=1)
+    if name.upper() in ("TRUE", "FALSE"):
+        return f"did you mean {name.upper()}?"
+    close = [k for k in known if k.lower() == name.lower()] or get_close_matches(name, known, n=1)
     return f"did you mean {close[0]}?" if close else "declare it in INTERFACE or in AUX"

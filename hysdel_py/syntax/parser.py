@@ -14,26 +14,10 @@ from hysdel_py.syntax.source import Source, Span
 
 if TYPE_CHECKING:
     from lark import Lark
-    from lark.exceptions import UnexpectedInput
 
-__all__ = ["grammar_text", "parse"]
+    from hysdel_py.syntax.recovery import Recovered
 
-# How a reader calls the terminals of the grammar; the others are shown as they are spelled.
-_SPOKEN = {
-    "NAME": "a name",
-    "NUMBER": "a number",
-    "FUNCTION": "a function (sin, cos, exp, log, sqrt)",
-    "$END": "the end of the file",
-}
-_HINTS = {
-    "<": "only <= and >= compare: there is no strict inequality between real numbers in a sampled model",
-    ">": "only <= and >= compare: there is no strict inequality between real numbers in a sampled model",
-    "#": "comments are written /* like this */",
-    "%": "comments are written /* like this */",
-    ".": "names hold letters, digits and underscores only",
-    "_": "names start with a letter",
-    ":": "definitions are written with a single =",
-}
+__all__ = ["grammar_text", "parse", "parse_what_is_sound"]
 
 
 def grammar_text() -> str:
@@ -70,102 +54,16 @@ def parse(source: Source, sink: Sink) -> ast.System | None:
         None after an error, which is in the sink. A text without a system gives an empty system and a warning, as
         the original compiler accepts it.
     """
-    from lark.exceptions import UnexpectedInput
+    recovered = parse_what_is_sound(source, sink)
+    return None if sink.failed else recovered.system
 
-    try:
-        tree = _lark().parse(source.text)
-    except UnexpectedInput as error:
-        _report(error, source, sink)
-        return None
-    system = tree if isinstance(tree, ast.System) else None
-    if system is None:
+
+def parse_what_is_sound(source: Source, sink: Sink) -> Recovered:
+    """Parse a source text and keep what can be read of a faulty one, for further checks."""
+    from hysdel_py.syntax.recovery import Recovered, parse_tokens
+
+    recovered = parse_tokens(_lark(), source, sink)
+    if recovered.system is None and not sink.failed:
         sink.warning(Code.EMPTY, f"{source.name} holds no SYSTEM: the model is empty")
-        return ast.System("", (), (), Span(0, len(source.text)))
-    return system
-
-
-def _report(error: UnexpectedInput, source: Source, sink: Sink) -> None:
-    from lark.exceptions import UnexpectedCharacters, UnexpectedToken
-
-    if isinstance(error, UnexpectedCharacters):
-        offset = error.pos_in_stream or 0
-        character = source.text[offset]
-        shown = character if character.isprintable() else f"U+{ord(character):04X}"
-        sink.error(
-            Code.BAD_CHARACTER,
-            f"the character '{shown}' does not belong to the language",
-            Span(offset, offset + 1),
-            help=_HINTS.get(character, ""),
-        )
-    elif isinstance(error, UnexpectedToken):
-        token = error.token
-        at_end = token.type == "$END"
-        end = len(source.text.rstrip())
-        span = Span(max(end - 1, 0), end) if at_end else Span(token.start_pos or 0, token.end_pos or 0)
-        found = "the end of the file" if at_end else f"'{token}'"
-        expected = sorted(error.accepts or error.expected)
-        sink.error(
-            Code.UNEXPECTED,
-            f"expected {_spoken_list(expected)}, found {found}",
-            span,
-            help=_advice(str(token), expected, source, span),
-        )
-
-
-_OPERATORS = {
-    "OR": "|", "AND": "&", "NOT": "~", "IFF": "<->", "IMPLIES": "->", "IMPLIED_BY": "<-", "LE": "<=", "GE": ">=",
-    "PLUS": "+", "MINUS": "-", "TIMES": "*", "OVER": "/", "CARET": "^", "LBRACE": "{", "RBRACE": "}", "LPAR": "(",
-    "RPAR": ")", "LSQB": "[", "RSQB": "]", "SEMICOLON": ";", "COMMA": ",", "EQUAL": "=",
-}  # fmt: skip
-_START_OF_EXPRESSION = {"NUMBER", "NAME", "FUNCTION", "LPAR", "MINUS", "NOT", "TRUE", "FALSE"}
-_BINARY = {"OR", "AND", "IFF", "IMPLIES", "IMPLIED_BY", "LE", "GE", "PLUS", "MINUS", "TIMES", "OVER", "CARET"}
-
-
-def _spoken_list(terminals: list[str]) -> str:
-    """Terminals in words, with those that start or continue an expression folded into one word."""
-    rest = set(terminals)
-    words = []
-    if rest >= {"NUMBER", "NAME", "LPAR"}:
-        words.append("an expression")
-        rest -= _START_OF_EXPRESSION
-    if len(rest & _BINARY) >= 3:
-        words.append("an operator")
-        rest -= _BINARY
-    words += [_SPOKEN.get(name) or f"'{_OPERATORS.get(name, name)}'" for name in sorted(rest)]
-    return words[0] if len(words) == 1 else ", ".join(words[:-1]) + " or " + words[-1]
-
-
-_KEYWORDS = {
-    "SYSTEM", "INTERFACE", "IMPLEMENTATION", "STATE", "INPUT", "OUTPUT", "PARAMETER", "AUX", "AD", "DA", "LOGIC",
-    "LINEAR", "CONTINUOUS", "AUTOMATA", "MUST", "IF", "THEN", "ELSE", "REAL", "BOOL", "TRUE", "FALSE",
-}  # fmt: skip
-
-
-def _advice(token: str, expected: list[str], source: Source, span: Span) -> str:  # noqa: PLR0911 -- a table of cases
-    doubled = source.text[span.start : span.start + 2]
-    if "NAME" in expected and (token in _KEYWORDS or token in {"sin", "cos", "exp", "log", "sqrt"}):
-        return f"{token} is a word of the language and cannot be a name here"
-    if doubled == "==":
-        return "there is no comparison by ==; use two conditions, one with <= and one with >="
-    if token == "+" and "NUMBER" in expected:
-        return "there is no unary plus"
-    if token == "AUX":
-        return "there is one AUX section and it comes first in IMPLEMENTATION"
-    if token in {"<=", ">="}:
-        return "comparisons belong into AD (as name = left <= right) or stand alone in MUST; they cannot be chained"
-    if doubled == "//":
-        return "comments are written /* like this */"
-    if token == "(" and "LSQB" in expected:
-        return "variables are scalars: there are no vectors and no matrices"
-    if span.end == len(source.text.rstrip()) and _comment_left_open(source):
-        return "the last comment is not closed: */ is missing"
-    if "SEMICOLON" in expected:
-        return "every item ends with a semicolon"
-    return ""
-
-
-def _comment_left_open(source: Source) -> bool:
-    if not source.comments:
-        return False
-    last = source.comments[-1]
-    return last.end == len(source.text) and not source.text[last.start + 2 :].endswith("*/")
+        return Recovered(ast.System("", (), (), Span(0, len(source.text))), recovered.lost)
+    return recovered

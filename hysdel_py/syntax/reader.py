@@ -56,7 +56,9 @@ def _read(path: Path, sink: Sink) -> str:
     try:
         data = path.read_bytes()
     except OSError as error:
-        sink.error(Code.UNREADABLE, f"cannot read {path}: {error.strerror or error}", help=_near_misses(path))
+        sink.error(
+            Code.UNREADABLE, f"cannot read {str(path)[:200]}: {error.strerror or error}", help=_near_misses(path)
+        )
         return ""
     except ValueError as error:
         sink.error(Code.UNREADABLE, f"this is not the name of a file: {error}")

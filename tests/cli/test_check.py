@@ -66,3 +66,72 @@ def test_warnings_are_counted_and_do_not_fail(hysdel, tmp_path):
     assert "no mistakes found, 1 warning;" in shown.out
     assert shown.err.startswith("warning[HYS")
     assert "idle" in shown.err
+
+
+@pytest.fixture
+def folder(tmp_path):
+    """A good file, one with a warning, one with an error, one with a note."""
+    tank = (tmp_path / "tank.hys").read_text(encoding="utf-8")
+    for name, old, new in (
+        ("idle.hys", "REAL inflow;", "REAL inflow, idle;"),
+        ("bad.hys", "gain*flow", "gain*flow*level"),
+        ("spare.hys", "gain = 1", "gain = 1, spare = 2"),
+    ):
+        (tmp_path / name).write_text(tank.replace(old, new), encoding="utf-8")
+    return tmp_path
+
+
+def test_several_files(hysdel, folder):
+    shown = hysdel("check", "tank.hys", "idle.hys", "bad.hys")
+    assert shown.status == 1
+    lines = shown.out.splitlines()
+    assert [line.split(":")[0] for line in lines] == ["tank.hys", "idle.hys", "bad.hys"]
+    assert lines[2] == "bad.hys: 1 mistake found"
+    assert "warning[HYS502]" in shown.err
+    assert "error[HYS302]" in shown.err
+    assert hysdel("check", "tank.hys", "idle.hys").status == 0
+    data = hysdel("check", "tank.hys", "bad.hys", "--format", "json").json
+    assert [len(entry["diagnostics"]) for entry in data] == [0, 1]
+    assert "error" in data[1]
+
+
+def test_strict_makes_warnings_fail(hysdel, folder):
+    assert hysdel("check", "idle.hys").status == 0
+    assert hysdel("check", "idle.hys", "--strict").status == 1
+    assert hysdel("check", "tank.hys", "--strict").status == 0
+    assert hysdel("check", "idle.hys", "--strict", "--ignore", "HYS501,HYS502").status == 0
+
+
+def test_notes_become_warnings(hysdel, folder):
+    assert hysdel("check", "spare.hys", "--strict").status == 0
+    shown = hysdel("check", "spare.hys", "-W", "525")
+    assert shown.status == 0
+    assert shown.err.startswith("warning[HYS525]: the parameter spare is never used")
+    assert "1 warning" in shown.out
+    assert hysdel("check", "spare.hys", "-W", "HYS525", "--strict").status == 1
+
+
+def test_errors_cannot_be_ignored(hysdel, folder):
+    assert hysdel("check", "bad.hys", "--ignore", "HYS302").status == 1
+
+
+def test_unknown_code_is_wrong_usage(hysdel, folder):
+    shown = hysdel("check", "tank.hys", "--ignore", "HYS5O2")
+    assert shown.status == 2
+    assert "did you mean" in shown.err
+
+
+def test_sarif(hysdel, folder):
+    shown = hysdel("check", "idle.hys", "bad.hys", "--format", "sarif")
+    assert shown.status == 1
+    results = shown.json["runs"][0]["results"]
+    assert {r["ruleId"] for r in results} == {"HYS302", "HYS502"}
+    assert {r["locations"][0]["physicalLocation"]["artifactLocation"]["uri"] for r in results} == {
+        "idle.hys", "bad.hys",
+    }  # fmt: skip
+
+
+def test_missing_file_is_a_mistake(hysdel):
+    shown = hysdel("check", "tank.hys", "nothing.hys")
+    assert shown.status == 1
+    assert "error[HYS001]" in shown.err

@@ -1,44 +1,40 @@
-"""docs/errors.md has a section for every code, and its examples cause what they are examples of."""
-
-import re
-from pathlib import Path
+"""Every code has a page whose example gives exactly that code at the place that the page names."""
 
 import pytest
-from diagnostics.expectations import diagnostics_of
+from error_pages import FOLDER, INDEX, example, index_text, outcome, page, updated
 
 from hysdel_py.diagnostics.codes import Code
 
-PAGE = (Path(__file__).parents[2] / "docs" / "errors.md").read_text(encoding="utf-8")
-FRAME = """SYSTEM example {
-INTERFACE { STATE { REAL x [-1, 1]; BOOL b; } INPUT { REAL u [0, 1]; } OUTPUT { REAL y; }
-  PARAMETER { REAL a = 2; BOOL q = TRUE; } }
-IMPLEMENTATION { %s CONTINUOUS { x = u; } AUTOMATA { b = b; } OUTPUT { y = x; } }
-}
-"""
-
-
-def sections():
-    """Text of each section by its code."""
-    parts = re.split(r"^### (HYS\d{3}): .*$", PAGE, flags=re.MULTILINE)
-    return dict(zip(parts[1::2], parts[2::2], strict=True))
+# Codes that no small text can cause, so that their pages have no example.
+WITHOUT_EXAMPLE = {
+    Code.UNREADABLE, Code.NOT_TEXT, Code.NOT_UTF8, Code.TOO_LONG, Code.TOO_MANY_ERRORS, Code.PARAMETER_UNKNOWN,
+    Code.CONSTANT_TERM, Code.TOO_MANY_CLAUSES, Code.TOO_LARGE,
+}  # fmt: skip
 
 
 @pytest.mark.parametrize("code", Code, ids=lambda code: code.name)
-def test_every_code_has_a_section(code):
-    assert len(sections()[code.value].split()) > 10
+def test_every_code_has_a_page(code):
+    text = page(code)
+    assert text.startswith(f"# {code.value}: ")
+    assert len(text.split()) > 15
+    assert (example(code) is None) == (code in WITHOUT_EXAMPLE)
 
 
-def test_no_section_is_left_over():
-    assert set(sections()) == {code.value for code in Code}
+def test_no_page_is_left_over():
+    assert {path.stem for path in FOLDER.glob("HYS*.md")} == {code.value for code in Code}
 
 
-@pytest.mark.parametrize(
-    "code", [c for c in Code if "```hys" in sections().get(c.value, "")], ids=lambda code: code.name
-)
-def test_example_causes_its_code(code, tmp_path):
-    example = re.search(r"```hys\n(.*?)```", sections()[code.value], re.DOTALL)[1]
-    path = tmp_path / "example.hys"
-    path.write_text(example if example.startswith(("SYSTEM", "/*")) else FRAME % example)
-    found = {d.code for d in diagnostics_of(path)}
-    assert code in found
-    assert all(other is code for other in found if other.value < "HYS500"), "the example has another error as well"
+@pytest.mark.parametrize("code", [c for c in Code if c not in WITHOUT_EXAMPLE], ids=lambda code: code.name)
+def test_example_gives_its_code_and_no_other(code, tmp_path):
+    found = outcome(example(code), tmp_path)
+    assert [other for other, *_ in found] == [code]
+    _, sentence, shown = found[0]
+    assert sentence in page(code), "the page names another place: run python tests/error_pages.py"
+    assert shown in page(code), "the page shows another text: run python tests/error_pages.py"
+    assert updated(page(code), tmp_path) == page(code)
+
+
+def test_index_is_up_to_date():
+    text = INDEX.read_text(encoding="utf-8")
+    assert index_text(text) == text, "run python tests/error_pages.py"
+    assert all(f"({code.value}.md)" in text for code in Code)

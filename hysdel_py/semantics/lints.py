@@ -1,0 +1,40 @@
+"""Notes about a typed model that is correct: what nothing needs."""
+
+from __future__ import annotations
+
+from hysdel_py.diagnostics.codes import Code
+from hysdel_py.diagnostics.sink import Sink
+from hysdel_py.semantics.expressions import leaves
+from hysdel_py.semantics.symbols import EPSILON, Symbol
+from hysdel_py.semantics.typed_model import Choice, Item, Threshold, Triple, TypedModel
+
+__all__ = ["note_unused_parameters"]
+
+_READ_BY_TOOLS = frozenset({"ts", "Ts", "T_s", EPSILON})  # the sample time and the gap are read by name
+
+
+def note_unused_parameters(model: TypedModel, sink: Sink) -> None:
+    """Say which declared parameters nothing reads; libraries of parameters are common, so it is only a note."""
+    used = {leaf.name for item in model.items for leaf in _read_by(item)}
+    for symbol in model.symbols:
+        for expression in (*(symbol.bounds or ()), *((symbol.value,) if symbol.value else ())):
+            used |= {leaf.name for leaf in leaves(expression)}
+    for symbol in model.parameters:
+        if symbol.line and symbol.name not in used | _READ_BY_TOOLS:
+            sink.note(Code.UNUSED_PARAMETER, f"the parameter {symbol.name} is never used", symbol.span)
+
+
+def _read_by(item: Item) -> list[Symbol]:
+    triples = [triple for triple in _triples(item) if triple is not None]
+    limits = [part for triple in triples for part in (triple.low, triple.high, triple.epsilon)]
+    return [leaf for expression in (*item.expressions(), *limits) for leaf in leaves(expression)]
+
+
+def _triples(item: Item) -> tuple[Triple | None, ...]:
+    match item.body:
+        case Threshold(triple=triple):
+            return (triple,)
+        case Choice(then=then, otherwise=otherwise):
+            return then.triple, otherwise.triple if otherwise is not None else None
+        case _:
+            return ()
