@@ -90,7 +90,7 @@ def _warn_of_loop(dha: Dha, sink: Sink) -> None:
         first = dha.definitions[loop[0]].origin
         sink.warning(
             Code.ALGEBRAIC_LOOP,
-            f"algebraic loop {' -> '.join(loop)}: the MLD form may have several solutions or none, the Dha has no step",
+            f"algebraic loop {' -> '.join(loop)}: a step exists where exactly one solution does",
             Span(first.start, first.end),
             help="break the loop by a state",
             labels=tuple(_defined_by(dha, name, needed) for name, needed in pairwise(loop))[1:],

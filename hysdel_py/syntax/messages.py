@@ -10,9 +10,9 @@ from hysdel_py.diagnostics.codes import Code
 from hysdel_py.diagnostics.diagnostic import Label
 from hysdel_py.diagnostics.sink import Sink
 from hysdel_py.syntax.automaton import Automaton
+from hysdel_py.syntax.lexing import END, is_keyword, span_of, too_many
 from hysdel_py.syntax.repairs import Repair
 from hysdel_py.syntax.source import Source, Span
-from hysdel_py.syntax.lexing import END, is_keyword, span_of, too_many
 
 __all__ = ["SyntaxReporter"]
 

@@ -17,9 +17,9 @@ from lark.exceptions import UnexpectedToken
 from hysdel_py.diagnostics.sink import Sink
 from hysdel_py.syntax import ast, repairs
 from hysdel_py.syntax.automaton import Automaton
+from hysdel_py.syntax.lexing import BAD, COMMENT_STARTS, END, is_keyword, opens_section, span_of, tokenize
 from hysdel_py.syntax.messages import SyntaxReporter
 from hysdel_py.syntax.source import Source
-from hysdel_py.syntax.lexing import BAD, COMMENT_STARTS, END, is_keyword, opens_section, span_of, tokenize
 
 if TYPE_CHECKING:
     from lark import Lark
