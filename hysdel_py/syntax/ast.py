@@ -13,8 +13,9 @@ from hysdel_py.syntax.operators import Op
 from hysdel_py.syntax.source import Span
 
 __all__ = [
-    "Apply", "Choice", "Declaration", "DeclarationSection", "Equation", "Expression", "Group", "Interval", "Item",
-    "ItemSection", "Name", "Number", "Requirement", "SectionKind", "System", "Triple", "Truth", "children",
+    "Apply", "Choice", "Conditional", "Declaration", "DeclarationSection", "Equation", "Expression", "Group",
+    "Interval", "Item", "ItemSection", "Name", "Number", "Requirement", "SectionKind", "System", "Triple", "Truth",
+    "children",
 ]  # fmt: skip
 
 
@@ -77,7 +78,19 @@ class Apply:
     span: Span = field(compare=False)
 
 
-Expression = Number | Truth | Name | Group | Apply
+@dataclass(frozen=True, slots=True)
+class Conditional:
+    """``{IF condition THEN then ELSE otherwise}`` as a branch of another one."""
+
+    condition: Expression
+    then: Expression
+    then_triple: Triple | None
+    otherwise: Expression | None
+    otherwise_triple: Triple | None
+    span: Span = field(compare=False)
+
+
+Expression = Number | Truth | Name | Group | Apply | Conditional
 
 
 def children(expression: Expression) -> tuple[Expression, ...]:
@@ -87,6 +100,8 @@ def children(expression: Expression) -> tuple[Expression, ...]:
             return args
         case Group(inner=inner):
             return (inner,)
+        case Conditional(condition=condition, then=then, otherwise=otherwise):
+            return (condition, then) if otherwise is None else (condition, then, otherwise)
         case _:
             return ()
 

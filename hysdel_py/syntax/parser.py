@@ -26,10 +26,8 @@ _SPOKEN = {
     "$END": "the end of the file",
 }
 _HINTS = {
-    "<": "only <= and >= compare: there is no strict inequality between real numbers in a sampled model",
-    ">": "only <= and >= compare: there is no strict inequality between real numbers in a sampled model",
-    "#": "comments are written /* like this */",
-    "%": "comments are written /* like this */",
+    "#": "comments are written /* like this */ or // like this",
+    "%": "comments are written /* like this */ or // like this",
     ".": "names hold letters, digits and underscores only",
     "_": "names start with a letter",
     ":": "definitions are written with a single =",
@@ -113,12 +111,15 @@ def _report(error: UnexpectedInput, source: Source, sink: Sink) -> None:
 
 
 _OPERATORS = {
+    "LT": "<", "GT": ">", "EQ": "==",
     "OR": "|", "AND": "&", "NOT": "~", "IFF": "<->", "IMPLIES": "->", "IMPLIED_BY": "<-", "LE": "<=", "GE": ">=",
     "PLUS": "+", "MINUS": "-", "TIMES": "*", "OVER": "/", "CARET": "^", "LBRACE": "{", "RBRACE": "}", "LPAR": "(",
     "RPAR": ")", "LSQB": "[", "RSQB": "]", "SEMICOLON": ";", "COMMA": ",", "EQUAL": "=",
 }  # fmt: skip
 _START_OF_EXPRESSION = {"NUMBER", "NAME", "FUNCTION", "LPAR", "MINUS", "NOT", "TRUE", "FALSE"}
-_BINARY = {"OR", "AND", "IFF", "IMPLIES", "IMPLIED_BY", "LE", "GE", "PLUS", "MINUS", "TIMES", "OVER", "CARET"}
+_BINARY = {"OR", "AND", "IFF", "IMPLIES", "IMPLIED_BY", "LE", "GE", "LT", "GT", "EQ", "PLUS", "MINUS", "TIMES",
+    "OVER", "CARET",
+}  # fmt: skip
 
 
 def _spoken_list(terminals: list[str]) -> str:
@@ -141,20 +142,11 @@ _KEYWORDS = {
 }  # fmt: skip
 
 
-def _advice(token: str, expected: list[str], source: Source, span: Span) -> str:  # noqa: PLR0911 -- a table of cases
-    doubled = source.text[span.start : span.start + 2]
+def _advice(token: str, expected: list[str], source: Source, span: Span) -> str:
     if "NAME" in expected and (token in _KEYWORDS or token in {"sin", "cos", "exp", "log", "sqrt"}):
         return f"{token} is a word of the language and cannot be a name here"
-    if doubled == "==":
-        return "there is no comparison by ==; use two conditions, one with <= and one with >="
     if token == "+" and "NUMBER" in expected:
         return "there is no unary plus"
-    if token == "AUX":
-        return "there is one AUX section and it comes first in IMPLEMENTATION"
-    if token in {"<=", ">="}:
-        return "comparisons belong into AD (as name = left <= right) or stand alone in MUST; they cannot be chained"
-    if doubled == "//":
-        return "comments are written /* like this */"
     if token == "(" and "LSQB" in expected:
         return "variables are scalars: there are no vectors and no matrices"
     if span.end == len(source.text.rstrip()) and _comment_left_open(source):

@@ -8,9 +8,10 @@ from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
 
-__all__ = ["Source", "Span"]
+__all__ = ["COMMENT", "Source", "Span"]
 
-_COMMENT = re.compile(r"/\*.*?(?:\*/|\Z)", re.DOTALL)
+COMMENT = re.compile(r"/\*.*?(?:\*/|\Z)|//[^\n]*", re.DOTALL)
+"""A comment of either kind; whichever starts first hides the other."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -63,12 +64,12 @@ class Source:
 
     def excerpt(self, span: Span) -> str:
         """Text of a span on one line: comments dropped, white space folded."""
-        return " ".join(_COMMENT.sub(" ", self.text[span.start : span.end]).split())
+        return " ".join(COMMENT.sub(" ", self.text[span.start : span.end]).split())
 
     @cached_property
     def comments(self) -> tuple[Span, ...]:
         """Spans of all comments in order."""
-        return tuple(Span(*match.span()) for match in _COMMENT.finditer(self.text))
+        return tuple(Span(*match.span()) for match in COMMENT.finditer(self.text))
 
     def comment_after(self, offset: int) -> str:
         """Text of the first comment that starts in the rest of the line of `offset` with only ``,;`` before it."""
@@ -79,4 +80,5 @@ class Source:
         between = self.text[offset : span.start]
         if "\n" in between or between.strip(" \t,;"):
             return ""
-        return " ".join(self.text[span.start + 2 : span.end].removesuffix("*/").split())
+        text = self.text[span.start : span.end]
+        return " ".join((text[2:] if text.startswith("//") else text[2:].removesuffix("*/")).split())

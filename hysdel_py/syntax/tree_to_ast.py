@@ -10,14 +10,15 @@ from typing import Any
 from lark import Token, Transformer
 
 from hysdel_py.syntax import ast
-from hysdel_py.syntax.operators import FUNCTIONS, Op
+from hysdel_py.syntax.operators import COMPARISONS, FUNCTIONS, Op
 from hysdel_py.syntax.source import Span
 
 __all__ = ["TreeToAst"]
 
 _BINARY = {
     "OR": Op.OR, "AND": Op.AND, "IFF": Op.IFF, "IMPLIES": Op.IMPLIES, "IMPLIED_BY": Op.IMPLIED_BY, "LE": Op.LE,
-    "GE": Op.GE, "PLUS": Op.ADD, "MINUS": Op.SUBTRACT, "TIMES": Op.MULTIPLY, "OVER": Op.DIVIDE, "CARET": Op.POWER,
+    "GE": Op.GE, "LT": Op.LT, "GT": Op.GT, "EQ": Op.EQ,
+    "PLUS": Op.ADD, "MINUS": Op.SUBTRACT, "TIMES": Op.MULTIPLY, "OVER": Op.DIVIDE, "CARET": Op.POWER,
 }  # fmt: skip
 _UNARY = {"NOT": Op.NOT, "MINUS": Op.NEGATE}
 _FUNCTIONS = {op.value: op for op in FUNCTIONS}
@@ -38,6 +39,12 @@ def _nodes(parts: list[Any]) -> list[Any]:
 
 def _name(token: Token) -> ast.Name:
     return ast.Name(str(token), _span(token))
+
+
+def _conditional(parts: list[Any]) -> tuple[Any, Any, Any, Any, Any]:
+    """Condition, branch and its triple, other branch and its triple."""
+    condition, then, *otherwise = _nodes(parts)
+    return (condition, *then.fields, *(otherwise[0].fields if otherwise else (None, None)))
 
 
 @dataclass(frozen=True, slots=True)
@@ -99,14 +106,17 @@ class TreeToAst(Transformer[Token, Any]):
         return ast.Equation(_name(parts[0]), value, triple[0] if triple else None, _around(parts))
 
     def choice(self, parts: list[Any]) -> ast.Choice:
-        condition, then, *rest = _nodes(parts)
-        then_triple = rest.pop(0) if rest and isinstance(rest[0], ast.Triple) else None
-        otherwise, otherwise_triple = rest[0].fields if rest else (None, None)
-        return ast.Choice(_name(parts[0]), condition, then, then_triple, otherwise, otherwise_triple, _around(parts))
+        return ast.Choice(_name(parts[0]), *_conditional(parts), _around(parts))
+
+    def branch(self, parts: list[Any]) -> _Parts:
+        value, *triple = parts
+        return _Parts((value, triple[0] if triple else None), _around(parts))
 
     def otherwise(self, parts: list[Any]) -> _Parts:
-        value, *triple = _nodes(parts)
-        return _Parts((value, triple[0] if triple else None), _around(parts))
+        return _Parts(parts[1].fields, _around(parts))
+
+    def conditional(self, parts: list[Any]) -> ast.Conditional:
+        return ast.Conditional(*_conditional(parts), _around(parts))
 
     def requirement(self, parts: list[Any]) -> ast.Requirement:
         return ast.Requirement(parts[0], _around(parts))
@@ -118,6 +128,17 @@ class TreeToAst(Transformer[Token, Any]):
     def binary(self, parts: list[Any]) -> ast.Apply:
         left, operator, right = parts
         return ast.Apply(_BINARY[operator.type], (left, right), _around(parts))
+
+    def comparison(self, parts: list[Any]) -> ast.Apply:
+        """A chain ``a <= b <= c`` is the conjunction of its links."""
+        left, operator, right = parts
+        op, span = _BINARY[operator.type], _around(parts)
+        if not isinstance(left, ast.Apply) or left.op not in COMPARISONS | {Op.AND}:
+            return ast.Apply(op, (left, right), span)
+        # An AND that no parentheses enclose can only be a shorter chain: comparisons bind tighter.
+        last: Any = left.args[1] if left.op is Op.AND else left
+        middle = last.args[1]
+        return ast.Apply(Op.AND, (left, ast.Apply(op, (middle, right), Span(middle.span.start, span.end))), span)
 
     def unary(self, parts: list[Any]) -> ast.Apply:
         return ast.Apply(_UNARY[parts[0].type], (parts[1],), _around(parts))
