@@ -1,4 +1,4 @@
-"""The whole pipeline on one page: text -> ast -> typed model -> Dha -> Mld."""
+"""The whole pipeline on one page: text -> ast -> scalar ast -> typed model -> Dha -> Mld."""
 
 from __future__ import annotations
 
@@ -8,6 +8,7 @@ from collections.abc import Mapping
 from hysdel_py.diagnostics.codes import Code
 from hysdel_py.diagnostics.diagnostic import Diagnostic
 from hysdel_py.diagnostics.sink import Sink
+from hysdel_py.elaboration.elaborate import Instance, elaborate
 from hysdel_py.lowering.big_m import BigM
 from hysdel_py.lowering.constants import Constants
 from hysdel_py.lowering.dha import to_dha
@@ -44,8 +45,9 @@ def analyse(
     system = parse(source, sink)
     sink.raise_errors(source)
     assert system is not None  # a failed parse has reported an error
-    model = resolve(system, source, sink)
-    values = bind_parameters(model, given, sink)
+    scalar, flat = elaborate((Instance("", system),), given, sink)
+    model = resolve(scalar, source, sink)
+    values = bind_parameters(model, flat, sink)
     sink.raise_errors(source)
     return model, values, sink.diagnostics
 

@@ -52,3 +52,7 @@ class Code(Enum):
     ALGEBRAIC_LOOP = "HYS505"
     # what HYSDEL 2.0.5 would refuse or get wrong
     EXTENSION = "HYS901"
+    # vectors, loops and modules
+    SIZE_MISMATCH = "HYS601"
+    INDEX = "HYS602"
+    SIZE = "HYS603"

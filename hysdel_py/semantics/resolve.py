@@ -72,6 +72,8 @@ class _ItemResolver:
     def items(self, section: SectionKind, item: ast.Item) -> list[Item]:
         if isinstance(item, ast.Requirement):
             return [self._item(section, None, body, item) for body in self._requirements(item.value)]
+        assert not isinstance(item, ast.Loop)  # elaboration leaves scalars
+        assert isinstance(item.target, ast.Name)
         target = self._target(section, item.target)
         body = self._body(section, item, target)
         if body is None or target is None:
@@ -80,10 +82,12 @@ class _ItemResolver:
         self._check_recursion(resolved)
         return [resolved]
 
-    def _item(self, section: SectionKind, target: Symbol | None, body: Body, item: ast.Item) -> Item:
+    def _item(
+        self, section: SectionKind, target: Symbol | None, body: Body, item: ast.Equation | ast.Choice | ast.Requirement
+    ) -> Item:
         self._number += 1
         line, text = self._source.line_of(item.span), self._source.excerpt(item.span)
-        return Item(section, self._number, target, body, item.span, line, text)
+        return Item(section, self._number, target, body, item.span, line, text, item.continues)
 
     def _target(self, section: SectionKind, name: ast.Name) -> Symbol | None:
         symbol = self._symbols.get(name.name)

@@ -73,6 +73,8 @@ class ExpressionTyper:
             case ast.Conditional():
                 known = [argument for argument in args if argument is not None]
                 return self._conditional(node, known) if len(known) == len(args) else None
+            case ast.Indexed() | ast.Matrix() | ast.Range():
+                raise AssertionError(node)  # elaboration leaves scalars
 
     def _name(self, name: str, span: Span) -> Expression | None:
         symbol = self._symbols.get(name)

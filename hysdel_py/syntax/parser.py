@@ -21,6 +21,9 @@ __all__ = ["grammar_text", "parse"]
 # How a reader calls the terminals of the grammar; the others are shown as they are spelled.
 _SPOKEN = {
     "NAME": "a name",
+    "FOR": "'FOR'",
+    "INDEX": "'INDEX'",
+    "MODULE": "'MODULE'",
     "NUMBER": "a number",
     "FUNCTION": "a function (sin, cos, exp, log, sqrt)",
     "$END": "the end of the file",
@@ -28,9 +31,8 @@ _SPOKEN = {
 _HINTS = {
     "#": "comments are written /* like this */ or // like this",
     "%": "comments are written /* like this */ or // like this",
-    ".": "names hold letters, digits and underscores only",
+    ".": "a dot stands between the names of a module and of what it holds, without blanks",
     "_": "names start with a letter",
-    ":": "definitions are written with a single =",
 }
 
 
@@ -115,8 +117,9 @@ _OPERATORS = {
     "OR": "|", "AND": "&", "NOT": "~", "IFF": "<->", "IMPLIES": "->", "IMPLIED_BY": "<-", "LE": "<=", "GE": ">=",
     "PLUS": "+", "MINUS": "-", "TIMES": "*", "OVER": "/", "CARET": "^", "LBRACE": "{", "RBRACE": "}", "LPAR": "(",
     "RPAR": ")", "LSQB": "[", "RSQB": "]", "SEMICOLON": ";", "COMMA": ",", "EQUAL": "=",
+    "COLON": ":",
 }  # fmt: skip
-_START_OF_EXPRESSION = {"NUMBER", "NAME", "FUNCTION", "LPAR", "MINUS", "NOT", "TRUE", "FALSE"}
+_START_OF_EXPRESSION = {"NUMBER", "NAME", "FUNCTION", "LPAR", "LSQB", "MINUS", "NOT", "TRUE", "FALSE"}
 _BINARY = {"OR", "AND", "IFF", "IMPLIES", "IMPLIED_BY", "LE", "GE", "LT", "GT", "EQ", "PLUS", "MINUS", "TIMES",
     "OVER", "CARET",
 }  # fmt: skip
@@ -125,6 +128,8 @@ _BINARY = {"OR", "AND", "IFF", "IMPLIES", "IMPLIED_BY", "LE", "GE", "LT", "GT", 
 def _spoken_list(terminals: list[str]) -> str:
     """Terminals in words, with those that start or continue an expression folded into one word."""
     rest = set(terminals)
+    if "NAME" in rest:
+        rest -= {"FOR", "INDEX", "MODULE"}  # words only in places where a name can stand as well
     words = []
     if rest >= {"NUMBER", "NAME", "LPAR"}:
         words.append("an expression")
@@ -147,8 +152,6 @@ def _advice(token: str, expected: list[str], source: Source, span: Span) -> str:
         return f"{token} is a word of the language and cannot be a name here"
     if token == "+" and "NUMBER" in expected:
         return "there is no unary plus"
-    if token == "(" and "LSQB" in expected:
-        return "variables are scalars: there are no vectors and no matrices"
     if span.end == len(source.text.rstrip()) and _comment_left_open(source):
         return "the last comment is not closed: */ is missing"
     if "SEMICOLON" in expected:

@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+
 from hysdel_py.syntax import ast
 from hysdel_py.syntax.operators import Op
 
-__all__ = ["conjuncts", "ungrouped"]
+__all__ = ["conjuncts", "names_in", "ungrouped"]
 
 
 def ungrouped(expression: ast.Expression) -> ast.Expression:
@@ -26,3 +28,13 @@ def conjuncts(expression: ast.Expression) -> list[ast.Expression]:
         else:
             found.append(part)
     return found
+
+
+def names_in(expression: ast.Expression) -> Iterator[str]:
+    """Names that an expression uses, repeats included."""
+    pending = [expression]
+    while pending:
+        part = pending.pop()
+        if isinstance(part, ast.Name | ast.Indexed):
+            yield part.name
+        pending.extend(ast.children(part))

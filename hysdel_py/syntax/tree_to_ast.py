@@ -63,9 +63,11 @@ class TreeToAst(Transformer[Token, Any]):
 
     def system(self, parts: list[Any]) -> ast.System:
         interface, implementation = _nodes(parts)
+        declarations = tuple(s for s in interface.fields if isinstance(s, ast.DeclarationSection))
+        modules = tuple(m for s in interface.fields if isinstance(s, _Parts) for m in s.fields)
         auxiliaries = tuple(s for s in implementation.fields if isinstance(s, ast.DeclarationSection))
         sections = tuple(s for s in implementation.fields if isinstance(s, ast.ItemSection))
-        return ast.System(str(parts[1]), interface.fields + auxiliaries, sections, _around(parts))
+        return ast.System(str(parts[1]), declarations + auxiliaries, sections, _around(parts), modules)
 
     def interface(self, parts: list[Any]) -> _Parts:
         return _Parts(tuple(_nodes(parts)), _around(parts))
@@ -84,16 +86,36 @@ class TreeToAst(Transformer[Token, Any]):
     parameters = variables
 
     def variable(self, parts: list[Any]) -> _Parts:
-        interval = parts[1] if len(parts) > 1 else None
-        return _Parts((str(parts[0]), interval, None, _around(parts), _span(parts[0])), _around(parts))
+        size = next((part.fields for part in parts if isinstance(part, _Parts)), ())
+        interval = next((part for part in parts if isinstance(part, ast.Interval)), None)
+        return _Parts((str(parts[0]), interval, None, _around(parts), _span(parts[0]), size), _around(parts))
+
+    def size(self, parts: list[Any]) -> _Parts:
+        return _Parts(tuple(_nodes(parts)), _around(parts))
+
+    pair = size
+    row = size
+
+    def module_section(self, parts: list[Any]) -> _Parts:
+        return _Parts(tuple(module for line in _nodes(parts) for module in line.fields), _around(parts))
+
+    def modules(self, parts: list[Any]) -> _Parts:
+        file, *names = [part for part in parts if part.type == "NAME"]
+        return _Parts(tuple(ast.Module(_name(file), _name(name)) for name in names), _around(parts))
+
+    def iterators(self, parts: list[Any]) -> _Parts:
+        names = [part for part in parts if part.type == "NAME"]
+        declared = (ast.Declaration("INDEX", str(n), None, None, _span(n), _span(n)) for n in names)
+        return _Parts(tuple(declared), _around(parts))
 
     def parameter(self, parts: list[Any]) -> _Parts:
-        value = parts[2] if len(parts) > 1 else None
-        return _Parts((str(parts[0]), None, value, _around(parts), _span(parts[0])), _around(parts))
+        size = next((part.fields for part in parts if isinstance(part, _Parts)), ())
+        value = next((part for part in _nodes(parts) if not isinstance(part, _Parts)), None)
+        return _Parts((str(parts[0]), None, value, _around(parts), _span(parts[0]), size), _around(parts))
 
     def interval(self, parts: list[Any]) -> ast.Interval:
-        low, high = _nodes(parts)
-        return ast.Interval(low, high, _around(parts))
+        (low, high), *further = (pair.fields for pair in _nodes(parts))
+        return ast.Interval(low, high, _around(parts), tuple(further))
 
     def type(self, parts: list[Any]) -> ast.Name:
         return _name(parts[0])
@@ -102,11 +124,11 @@ class TreeToAst(Transformer[Token, Any]):
         return ast.ItemSection(ast.SectionKind(str(parts[0])), tuple(_nodes(parts)), _around(parts))
 
     def equation(self, parts: list[Any]) -> ast.Equation:
-        value, *triple = _nodes(parts)
-        return ast.Equation(_name(parts[0]), value, triple[0] if triple else None, _around(parts))
+        target, value, *triple = _nodes(parts)
+        return ast.Equation(target, value, triple[0] if triple else None, _around(parts))
 
     def choice(self, parts: list[Any]) -> ast.Choice:
-        return ast.Choice(_name(parts[0]), *_conditional(parts), _around(parts))
+        return ast.Choice(parts[0], *_conditional(parts[1:]), _around(parts))
 
     def branch(self, parts: list[Any]) -> _Parts:
         value, *triple = parts
@@ -120,6 +142,10 @@ class TreeToAst(Transformer[Token, Any]):
 
     def requirement(self, parts: list[Any]) -> ast.Requirement:
         return ast.Requirement(parts[0], _around(parts))
+
+    def loop(self, parts: list[Any]) -> ast.Loop:
+        low, high, *items = _nodes(parts)
+        return ast.Loop(_name(parts[2]), low, high, tuple(items), _around(parts))
 
     def triple(self, parts: list[Any]) -> ast.Triple:
         low, high, epsilon = _nodes(parts)
@@ -148,6 +174,16 @@ class TreeToAst(Transformer[Token, Any]):
 
     def name(self, parts: list[Any]) -> ast.Name:
         return _name(parts[0])
+
+    def indexed(self, parts: list[Any]) -> ast.Indexed:
+        return ast.Indexed(str(parts[0]), tuple(_nodes(parts)), _around(parts))
+
+    def matrix(self, parts: list[Any]) -> ast.Matrix:
+        return ast.Matrix(tuple(row.fields for row in _nodes(parts)), _around(parts))
+
+    def range(self, parts: list[Any]) -> ast.Range:
+        low, high = _nodes(parts)
+        return ast.Range(low, high, _around(parts))
 
     def truth(self, parts: list[Any]) -> ast.Truth:
         return ast.Truth(str(parts[0]) == "TRUE", _span(parts[0]))
