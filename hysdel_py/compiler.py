@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
+from pathlib import Path
 
 from hysdel_py.diagnostics.codes import Code
 from hysdel_py.diagnostics.diagnostic import Diagnostic
 from hysdel_py.diagnostics.sink import Sink
-from hysdel_py.elaboration.elaborate import Instance, elaborate
+from hysdel_py.elaboration.elaborate import elaborate
+from hysdel_py.elaboration.modules import load_modules
 from hysdel_py.lowering.big_m import BigM
 from hysdel_py.lowering.constants import Constants
 from hysdel_py.lowering.dha import to_dha
@@ -25,9 +27,11 @@ __all__ = ["analyse", "lower_to_dha", "lower_to_mld"]
 
 
 def analyse(
-    path_or_text: str | os.PathLike[str], given: Mapping[str, object]
+    path_or_text: str | os.PathLike[str], given: Mapping[str, object], search_path: Sequence[Path] = ()
 ) -> tuple[TypedModel, dict[str, float], tuple[Diagnostic, ...]]:
-    """Everything that needs no lowering: parse, resolve names, check types, bind parameters.
+    """Everything that needs no lowering: parse, find modules, elaborate, resolve names, check types, bind parameters.
+
+    `search_path` holds folders for the files of modules, besides the folder of the file that names them.
 
     Returns
     -------
@@ -45,7 +49,9 @@ def analyse(
     system = parse(source, sink)
     sink.raise_errors(source)
     assert system is not None  # a failed parse has reported an error
-    scalar, flat = elaborate((Instance("", system),), given, sink)
+    instances, source = load_modules(system, source, search_path, sink)
+    sink.raise_errors(source)
+    scalar, flat = elaborate(instances, given, sink)
     model = resolve(scalar, source, sink)
     values = bind_parameters(model, flat, sink)
     sink.raise_errors(source)

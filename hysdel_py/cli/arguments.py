@@ -6,6 +6,7 @@ import argparse
 import re
 from collections.abc import Sequence
 from math import inf
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -64,7 +65,8 @@ def add_output(parser: argparse.ArgumentParser, what: str) -> None:
 
 def load_model(options: argparse.Namespace) -> Model:
     """The model that the arguments name."""
-    return load(options.file, **assignments(options.param, "--param"))
+    values: dict[str, Any] = dict(assignments(options.param, "--param"))
+    return load(options.file, **values)
 
 
 def parts(texts: Sequence[str], option: str, form: str) -> list[tuple[str, str | None]]:

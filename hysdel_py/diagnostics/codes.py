@@ -56,3 +56,4 @@ class Code(Enum):
     SIZE_MISMATCH = "HYS601"
     INDEX = "HYS602"
     SIZE = "HYS603"
+    MODULE = "HYS604"

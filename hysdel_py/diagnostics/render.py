@@ -28,6 +28,7 @@ def render(diagnostic: Diagnostic, source: Source) -> str:
 
 
 def _place(span: Span, source: Source, mark: str) -> list[str]:
+    source, span = source.home(span)
     line, column = source.position(span.start)
     gutter = " " * len(str(line))
     shown, start = _window(source.line_text(line).replace("\t", " "), column - 1)
@@ -52,6 +53,8 @@ def _window(text: str, column: int) -> tuple[str, int]:
 
 def as_data(diagnostic: Diagnostic, source: Source) -> dict[str, Any]:
     """Plain data of a diagnostic for JSON; lines and columns count from 1."""
+    if diagnostic.span is not None:
+        source, span = source.home(diagnostic.span)
     data: dict[str, Any] = {
         "code": diagnostic.code.value,
         "severity": diagnostic.severity.value,
@@ -60,7 +63,7 @@ def as_data(diagnostic: Diagnostic, source: Source) -> dict[str, Any]:
         "file": source.name,
     }
     if diagnostic.span is not None:
-        line, column = source.position(diagnostic.span.start)
-        end_line, end_column = source.position(diagnostic.span.end)
+        line, column = source.position(span.start)
+        end_line, end_column = source.position(span.end)
         data |= {"line": line, "column": column, "end_line": end_line, "end_column": end_column}
     return data
