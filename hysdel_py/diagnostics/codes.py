@@ -57,3 +57,5 @@ class Code(Enum):
     INDEX = "HYS602"
     SIZE = "HYS603"
     MODULE = "HYS604"
+    # style (a warning)
+    MIXED_LOGIC = "HYS506"
