@@ -1,13 +1,16 @@
-"""The whole pipeline on one page: text -> ast -> typed model -> Dha -> Mld."""
+"""The whole pipeline on one page: text -> ast -> scalar ast -> typed model -> Dha -> Mld."""
 
 from __future__ import annotations
 
 import os
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
+from pathlib import Path
 
 from hysdel_py.diagnostics.codes import Code
 from hysdel_py.diagnostics.diagnostic import Diagnostic
 from hysdel_py.diagnostics.sink import Sink
+from hysdel_py.elaboration.elaborate import elaborate
+from hysdel_py.elaboration.modules import load_modules
 from hysdel_py.lowering.big_m import BigM
 from hysdel_py.lowering.constants import Constants
 from hysdel_py.lowering.dha import to_dha
@@ -29,9 +32,11 @@ __all__ = ["analyse", "lower_to_dha", "lower_to_mld", "lower_to_symbolic_mld"]
 
 
 def analyse(
-    path_or_text: str | os.PathLike[str], given: Mapping[str, object]
+    path_or_text: str | os.PathLike[str], given: Mapping[str, object], search_path: Sequence[Path] = ()
 ) -> tuple[TypedModel, dict[str, float], tuple[Diagnostic, ...]]:
-    """Everything that needs no lowering: parse, resolve names, check types, bind parameters.
+    """Everything that needs no lowering: parse, find modules, elaborate, resolve names, check types, bind parameters.
+
+    `search_path` holds folders for the files of modules, besides the folder of the file that names them.
 
     Returns
     -------
@@ -50,8 +55,10 @@ def analyse(
     if recovered.system is None:
         sink.raise_errors(source)
     assert recovered.system is not None  # a failed parse has reported an error
-    model = resolve(recovered.system, source, sink)
-    values = bind_parameters(model, given, sink)
+    instances, source = load_modules(recovered.system, source, search_path, sink)
+    scalar, flat = elaborate(instances, given, sink)
+    model = resolve(scalar, source, sink)
+    values = bind_parameters(model, flat, sink)
     if recovered.lost:
         sink.forget(lambda found: _is_about(found, recovered.lost, source))
     sink.raise_errors(source)

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from hysdel_py.diagnostics.diagnostic import Diagnostic
+    from hysdel_py.syntax.source import Source
 
 __all__ = ["ArgumentError", "CompileError", "HysdelError", "SimulationError"]
 
@@ -46,11 +47,14 @@ class CompileError(HysdelError):
         Errors first to last in the order of the source, with any warnings among them.
     data : tuple of dict
         The same as plain data, with file, line and column.
+    source : Source
+        The text that the diagnostics are about, that of its modules included.
     """
 
     def __init__(
-        self, diagnostics: tuple[Diagnostic, ...], rendered: str, data: tuple[dict[str, Any], ...] = ()
+        self, diagnostics: tuple[Diagnostic, ...], rendered: str, data: tuple[dict[str, Any], ...], source: Source
     ) -> None:
         super().__init__(rendered)
         self.diagnostics = diagnostics
         self.data = data
+        self.source = source

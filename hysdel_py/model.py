@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from functools import cached_property
+from pathlib import Path
 from typing import TYPE_CHECKING, TypeVar
 
 from numpy.typing import ArrayLike
@@ -106,15 +107,24 @@ class Model:
         return f"<Model {self.name}: {sizes}, {len(self.typed.items)} items>"
 
 
-def load(path_or_text: str | os.PathLike[str], /, **parameters: float) -> Model:
+def load(
+    path_or_text: str | os.PathLike[str],
+    /,
+    *,
+    search_path: Sequence[str | os.PathLike[str]] = (),
+    **parameters: ArrayLike,
+) -> Model:
     """Load a model.
 
     Parameters
     ----------
     path_or_text : str or path
         A ``.hys`` file, the name of a shipped model (see ``models/README.md``), or the text of a model.
-    **parameters : float
-        Values for parameters; they win over the values in the file.
+    search_path : sequence of paths
+        Folders for the files of modules, besides the folder of the file that names them.
+    **parameters : float or array_like
+        Values for parameters; they win over the values in the file. A matrix parameter takes a list of rows or an
+        array, one of a module ``t1`` its full name: ``**{"t1.area": 2.0}``.
 
     Raises
     ------
@@ -130,7 +140,13 @@ def load(path_or_text: str | os.PathLike[str], /, **parameters: float) -> Model:
     """
     from hysdel_py.shipped import locate
 
-    return Model(*compiler.analyse(locate(path_or_text), parameters))
+    return Model(*compiler.analyse(locate(path_or_text), parameters, _folders(search_path)))
+
+
+def _folders(search_path: Sequence[str | os.PathLike[str]]) -> tuple[Path, ...]:
+    if isinstance(search_path, str) or not all(isinstance(folder, str | os.PathLike) for folder in search_path):
+        raise ArgumentError(f"search_path is {search_path!r}: a sequence of folders was expected")
+    return tuple(Path(folder) for folder in search_path)
 
 
 def to_dha(model: Model, *, constants: str = "affine") -> Dha:

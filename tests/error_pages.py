@@ -23,7 +23,7 @@ EXAMPLE = re.compile(r"^```hys\n(.*?)^```$", re.DOTALL | re.MULTILINE)
 MADE = re.compile(r"(<!-- made by tests/error_pages.py -->\n).*?(<!-- end -->)", re.DOTALL)
 GROUPS = {
     "HYS0": "Reading", "HYS1": "Syntax", "HYS2": "Names", "HYS3": "Types and items", "HYS4": "Lowering",
-    "HYS5": "Warnings", "HYS9": "Notes",
+    "HYS5": "Warnings", "HYS6": "Vectors, loops and modules", "HYS9": "Notes",
 }  # fmt: skip
 
 

@@ -17,7 +17,7 @@ from hysdel_py.syntax.source import Source
 from hysdel_py.syntax.traversal import fold
 
 GOLDEN = Path(__file__).parent / "golden"
-MODELS = ("heater", "casts")
+MODELS = ("heater", "casts", "vectors")
 STAGES = ("ast", "typed", "dha", "mld")
 
 
@@ -43,6 +43,15 @@ def expression_text(expression: ast.Expression) -> str:
                 return name
             case ast.Group():
                 return f"[{args[0]}]"
+            case ast.Indexed(name=name):
+                return f"{name}({' '.join(args)})"
+            case ast.Range():
+                return f"{args[0]}:{args[1]}"
+            case ast.Matrix(rows=rows):
+                entries = iter(args)
+                return "{" + "; ".join(", ".join(next(entries) for _ in row) for row in rows) + "}"
+            case ast.Conditional():
+                return f"(if {' '.join(args)})"
             case ast.Apply(op=op):
                 return f"({op.value} {' '.join(args)})"
 
@@ -61,9 +70,10 @@ def ast_text(system: ast.System) -> str:
 
 
 def _declaration(d: ast.Declaration) -> str:
-    text = f"{d.type} {d.name}"
+    text = f"{d.type} {d.name}" + (f"({', '.join(map(expression_text, d.size))})" if d.size else "")
     if d.interval:
-        text += f" in {expression_text(d.interval.low)} .. {expression_text(d.interval.high)}"
+        pairs = ((d.interval.low, d.interval.high), *d.interval.further)
+        text += " in " + "; ".join(f"{expression_text(low)} .. {expression_text(high)}" for low, high in pairs)
     return text + (f" = {expression_text(d.value)}" if d.value else "")
 
 
@@ -76,11 +86,14 @@ def _triple(triple: ast.Triple | None) -> str:
 def _item(item: ast.Item) -> list[str]:
     match item:
         case ast.Equation(target=target, value=value, triple=triple):
-            return [f"{target.name} = {expression_text(value)}{_triple(triple)}"]
+            return [f"{expression_text(target)} = {expression_text(value)}{_triple(triple)}"]
         case ast.Requirement(value=value):
             return [expression_text(value)]
+        case ast.Loop(iterator=iterator, low=low, high=high, items=items):
+            head = f"for {iterator.name} = {expression_text(low)}:{expression_text(high)}"
+            return [head, *(f"  {line}" for inner in items for line in _item(inner))]
         case ast.Choice():
-            lines = [f"{item.target.name}", f"  if {expression_text(item.condition)}"]
+            lines = [f"{expression_text(item.target)}", f"  if {expression_text(item.condition)}"]
             lines.append(f"  then {expression_text(item.then)}{_triple(item.then_triple)}")
             if item.otherwise is not None:
                 lines.append(f"  else {expression_text(item.otherwise)}{_triple(item.otherwise_triple)}")

@@ -26,6 +26,8 @@ class Names:
 def logic(draw: st.DrawFn, names: Names, depth: int = 2) -> str:
     """A Boolean expression."""
     if depth == 0 or draw(st.integers(0, 3)) == 0:
+        if draw(st.integers(0, 5)) == 0:
+            return draw(comparison(names))
         leaves = [*names.bools, "TRUE", "FALSE"] if draw(st.integers(0, 9)) == 0 or not names.bools else names.bools
         return draw(st.sampled_from(leaves))
     kind = draw(st.sampled_from(["not", "binary", "binary", "group"]))
@@ -35,6 +37,16 @@ def logic(draw: st.DrawFn, names: Names, depth: int = 2) -> str:
         return "(" + draw(logic(names, depth - 1)) + ")"
     left, right = draw(logic(names, depth - 1)), draw(logic(names, depth - 1))
     return f"({left}) {draw(st.sampled_from(CONNECTIVES))} {right}"
+
+
+@st.composite
+def comparison(draw: st.DrawFn, names: Names) -> str:
+    """A comparison in parentheses, now and then a chain."""
+    sides = draw(st.lists(affine(names, casts=False), min_size=2, max_size=3))
+    text = sides[0]
+    for side in sides[1:]:
+        text += f" {draw(st.sampled_from(['<=', '>=', '<', '>']))} {side}"
+    return f"({text})"
 
 
 @st.composite
@@ -74,8 +86,15 @@ def auxiliary(draw: st.DrawFn, names: Names, index: int) -> tuple[str, str, str,
     name = f"z{index}"
     if section == "LINEAR":
         return section, "REAL", name, f"{name} = {draw(affine(names))};"
-    otherwise = draw(st.one_of(st.just(""), affine(names).map(" ELSE {}".format)))
-    return section, "REAL", name, f"{name} = {{IF {draw(logic(names))} THEN {draw(affine(names))}{otherwise}}};"
+    return section, "REAL", name, f"{name} = {draw(choice(names))};"
+
+
+@st.composite
+def choice(draw: st.DrawFn, names: Names, depth: int = 1) -> str:
+    """A choice, whose branches may be choices."""
+    branch = affine(names) if depth == 0 else st.one_of(affine(names), affine(names), choice(names, depth - 1))
+    otherwise = draw(st.one_of(st.just(""), branch.map(" ELSE {}".format)))
+    return f"{{IF {draw(logic(names))} THEN {draw(branch)}{otherwise}}}"
 
 
 @st.composite

@@ -24,6 +24,7 @@ MAY_IMPORT: dict[str, set[str]] = {
     "diagnostics": {"errors", "syntax"},
     "syntax": {"errors", "diagnostics"},
     "systems": {"errors", "tolerances"},
+    "elaboration": {"errors", "diagnostics", "syntax", "semantics"},
     "semantics": {"errors", "diagnostics", "syntax", "systems"},
     "lowering": {"errors", "tolerances", "diagnostics", "syntax", "semantics", "systems"},
     "optimize": {"errors"},
@@ -44,7 +45,7 @@ MAY_IMPORT: dict[str, set[str]] = {
     },
     "plotting": {"errors", "systems"},
     "shipped": {"syntax"},
-    "compiler": {"errors", "diagnostics", "syntax", "semantics", "systems", "lowering"},
+    "compiler": {"errors", "diagnostics", "syntax", "elaboration", "semantics", "systems", "lowering"},
     "model": {"errors", "diagnostics", "semantics", "systems", "lowering", "compiler"},
     "demos": {"errors", "model", "systems", "control", "drivetrain", "analysis"},
 }

@@ -51,12 +51,17 @@ def test_there_are_models():
     assert {"clutch", "two_rooms", "two_tanks"} <= set(NAMES)
 
 
+def beside_the_point(diagnostic):
+    """Whether this tells only that the original knows no such thing."""
+    return diagnostic.code.value == "HYS901"
+
+
 @pytest.mark.parametrize("name", NAMES)
 def test_compiles_without_a_word(name):
     model = load(name)
     assert model.name == name
     assert model.mld.ne > 0
-    assert model.diagnostics == ()
+    assert [d for d in model.diagnostics if not beside_the_point(d)] == []
 
 
 @pytest.mark.parametrize("name", NAMES)
@@ -148,6 +153,26 @@ def test_two_tanks_fill_up_and_never_open_the_valve_when_nearly_full():
     assert run.steps == 12
     assert not np.any(run["valve"] * (run["h2"][:-1] >= 0.54))
     assert run["valve"].any()
+
+
+def test_three_tanks_fill_the_one_in_the_middle():
+    cost = hys.Cost(y={"level(2)": 1})
+    mpc = hys.HybridMpc(load("three_tanks"), 2, cost, references=("level(2)",), node_limit=30)
+    run = hys.closed_loop(load("three_tanks"), mpc, [1, 2, 1], 14, {"level(2)": 3})
+    assert run.steps == 14
+    assert run["h(2)"][11:] == pytest.approx(3, abs=0.05)
+    assert run["open(1)"].sum() >= 3
+
+
+def test_three_tanks_let_no_pump_fill_a_tank_that_is_high():
+    model = load("three_tanks")
+    for pump, expected in (([0.05, 0], False), ([0, 0.05], True)):
+        for form in (model.dha, model.mld):
+            if expected:
+                form.step([6, 1, 1], [*pump, 0, 0])
+            else:
+                with pytest.raises(hys.SimulationError):
+                    form.step([6, 1, 1], [*pump, 0, 0])
 
 
 def test_two_rooms_are_heated_and_cooled_into_their_bands():

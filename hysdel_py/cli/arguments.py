@@ -6,6 +6,7 @@ import argparse
 import re
 from collections.abc import Sequence
 from math import inf
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -22,6 +23,8 @@ __all__ = [
 
 _TRUTH = {"true": 1.0, "false": 0.0}
 _OPTION = re.compile(r"--[a-z][a-z0-9-]*")
+_COMMA = re.compile(r",(?![^()]*\))")
+"""A comma that does not stand between parentheses, as the one of ``W(2,1)`` does."""
 _NEGATIVE = re.compile(r"-(\.?\d|inf|nan)", re.IGNORECASE)
 
 
@@ -69,11 +72,14 @@ def add_output(parser: argparse.ArgumentParser, what: str) -> None:
 
 def load_model(options: argparse.Namespace) -> Model:
     """The model that the arguments name."""
-    return load(options.file, **assignments(options.param, "--param"))
+    values: dict[str, Any] = dict(assignments(options.param, "--param"))
+    return load(options.file, **values)
 
 
 def parts(texts: Sequence[str], option: str, form: str) -> list[tuple[str, str | None]]:
     """Names and values of ``NAME=VALUE`` texts; several may stand in one text, parted by commas.
+
+    Commas between parentheses part nothing, as in ``W(2,1)=3``.
 
     Raises
     ------
@@ -81,7 +87,7 @@ def parts(texts: Sequence[str], option: str, form: str) -> list[tuple[str, str |
         A name is missing or given twice.
     """
     found: dict[str, str | None] = {}
-    for part in (part for text in texts for part in text.split(",")):
+    for part in (part for text in texts for part in _COMMA.split(text)):
         name, equals, value = (piece.strip() for piece in part.partition("="))
         if not name:
             raise ArgumentError(f"{option} '{part}': {form} was expected")

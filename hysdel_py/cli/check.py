@@ -18,8 +18,7 @@ from hysdel_py.diagnostics.sarif import as_sarif
 from hysdel_py.errors import CompileError
 from hysdel_py.model import Model
 from hysdel_py.semantics.parameters import missing_parameters
-from hysdel_py.shipped import locate, shipped_models
-from hysdel_py.syntax.reader import read_source
+from hysdel_py.shipped import shipped_models
 from hysdel_py.syntax.source import Source
 from hysdel_py.version import __version__
 
@@ -100,16 +99,8 @@ def _check(file: str, parameters: list[str]) -> _Report:
             _ = model.mld  # lowering finds the mistakes that need numbers
     except CompileError as error:
         earlier = () if model is None else model.diagnostics
-        source = _source(file) if model is None else model.typed.source
-        return _Report(source, None, tuple(dict.fromkeys((*earlier, *error.diagnostics))))
+        return _Report(error.source, None, tuple(dict.fromkeys((*earlier, *error.diagnostics))))
     return _Report(model.typed.source, model, model.diagnostics)
-
-
-def _source(file: str) -> Source:
-    """The source of a file that could not be loaded, for the places in it."""
-    from hysdel_py.diagnostics.sink import Sink
-
-    return read_source(locate(file), Sink())
 
 
 def _chosen(report: _Report, raised: set[Code], ignored: set[Code]) -> _Report:

@@ -67,3 +67,10 @@ class Code(Enum):
     NOT_A_NUMBER = "HYS530"
     # what HYSDEL 2.0.5 would refuse or get wrong
     EXTENSION = "HYS901"
+    # vectors, loops and modules
+    SIZE_MISMATCH = "HYS601"
+    INDEX = "HYS602"
+    SIZE = "HYS603"
+    MODULE = "HYS604"
+    # style (a warning)
+    MIXED_LOGIC = "HYS506"

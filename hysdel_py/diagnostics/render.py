@@ -37,6 +37,7 @@ def _spoken(fix: Fix, source: Source) -> str:
 
 
 def _place(span: Span, source: Source, mark: str) -> list[str]:
+    source, span = source.home(span)
     line, column = source.position(span.start)
     gutter = " " * len(str(line))
     shown, start = _window(source.line_text(line).replace("\t", " "), column - 1)
@@ -61,12 +62,13 @@ def _window(text: str, column: int) -> tuple[str, int]:
 
 def as_data(diagnostic: Diagnostic, source: Source) -> dict[str, Any]:
     """Plain data of a diagnostic for JSON; lines and columns count from 1."""
+    home = source if diagnostic.span is None else source.home(diagnostic.span)[0]
     data: dict[str, Any] = {
         "code": diagnostic.code.value,
         "severity": diagnostic.severity.value,
         "message": diagnostic.message,
         "help": diagnostic.help,
-        "file": source.name,
+        "file": home.name,
     }
     if diagnostic.span is not None:
         data |= region(diagnostic.span, source)
@@ -78,7 +80,8 @@ def as_data(diagnostic: Diagnostic, source: Source) -> dict[str, Any]:
 
 
 def region(span: Span, source: Source) -> dict[str, int]:
-    """First and last place of a span; lines and columns count from 1, the last column is the one behind it."""
+    """First and last place of a span in its file; lines and columns count from 1, the last column is behind it."""
+    source, span = source.home(span)
     line, column = source.position(span.start)
     end_line, end_column = source.position(span.end)
     return {"line": line, "column": column, "end_line": end_line, "end_column": end_column}

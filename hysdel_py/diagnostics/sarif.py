@@ -52,7 +52,8 @@ def _result(source: Source, diagnostic: Diagnostic, rule: int) -> dict[str, Any]
 
 
 def _location(source: Source, span: Span | None) -> dict[str, Any]:
-    physical: dict[str, Any] = {"artifactLocation": _artifact(source)}
+    home = source if span is None else source.home(span)[0]
+    physical: dict[str, Any] = {"artifactLocation": _artifact(home)}
     if span is not None:
         physical["region"] = _region(source, span)
     return {"physicalLocation": physical}

@@ -70,16 +70,21 @@ class Sink:
         return tuple(sorted(self._found, key=lambda d: d.span.start if d.span else -1))
 
     @property
+    def error_count(self) -> int:
+        """Number of errors so far."""
+        return sum(d.severity is Severity.ERROR for d in self._found)
+
+    @property
     def failed(self) -> bool:
         """Whether there is an error."""
-        return any(d.severity is Severity.ERROR for d in self._found)
+        return self.error_count > 0
 
     def raise_errors(self, source: Source) -> None:
         """Raise everything so far as one CompileError if there is an error among it."""
         if self.failed:
             shown = tuple(d for d in self.diagnostics if d.severity is not Severity.NOTE)
             rendered = "\n".join(render(d, source) for d in shown)
-            raise CompileError(shown, rendered, tuple(as_data(d, source) for d in shown))
+            raise CompileError(shown, rendered, tuple(as_data(d, source) for d in shown), source)
 
 
 def _fixes(pairs: tuple[tuple[Span, str], ...]) -> tuple[Fix, ...]:

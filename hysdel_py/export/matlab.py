@@ -14,7 +14,7 @@ from typing import Any
 from numpy.typing import NDArray
 
 from hysdel_py.export.compiled import Compiled, needed_ranges
-from hysdel_py.export.matlab_text import NumberStyle, matrix, quoted, value_text
+from hysdel_py.export.matlab_text import NumberStyle, matrix, parameter_is_missing, quoted, value_text
 from hysdel_py.export.matrices import dense
 from hysdel_py.export.row_info import row_info
 from hysdel_py.export.symbol_table import symbol_table
@@ -72,7 +72,7 @@ def parameter_checks(names: Sequence[str]) -> Iterator[str]:
     if names:
         yield "if ~exist('params', 'var'), error('the struct params with the values of the parameters is missing'); end"
     for name in names:
-        yield f"if ~isfield(params, '{name}'), error('the value params.{name} is missing'); end"
+        yield f"if {parameter_is_missing(name)}, error('the value params.{name} is missing'); end"
 
 
 def _header(compiled: Compiled, options: MatlabOptions) -> Iterator[str]:

@@ -8,9 +8,10 @@ from typing import Any
 
 from numpy.typing import NDArray
 
+from hysdel_py.export.identifiers import element_of
 from hysdel_py.systems.symbolic import Symbolic, postorder
 
-__all__ = ["NumberStyle", "Value", "matrix", "quoted", "value_text"]
+__all__ = ["NumberStyle", "Value", "matrix", "parameter_is_missing", "quoted", "value_text"]
 
 Value = str | float | tuple[str, ...]
 """What a field may hold: text, a number, or a cell array of texts."""
@@ -80,8 +81,24 @@ class NumberStyle:
 
 
 def parameter_text(name: str) -> str:
-    """Field of ``params`` that holds a parameter."""
-    return f"params.('{name}')" if name in _KEYWORDS else f"params.{name}"
+    """Field of ``params`` that holds a parameter; that of a matrix holds its elements, that of a module a struct."""
+    base, indices = element_of(name)
+    fields = "".join(f".('{part}')" if part in _KEYWORDS else f".{part}" for part in base.split("."))
+    return f"params{fields}" + (f"({', '.join(map(str, indices))})" if indices else "")
+
+
+def parameter_is_missing(name: str) -> str:
+    """Condition that ``params`` does not hold a parameter."""
+    base, indices = element_of(name)
+    parts = base.split(".")
+    tests = [
+        f"~isfield({parameter_text('.'.join(parts[:k])) if k else 'params'}, '{part}')" for k, part in enumerate(parts)
+    ]
+    field = parameter_text(base)
+    if len(indices) == 1:
+        tests.append(f"numel({field}) < {indices[0]}")
+    tests += [f"size({field}, {axis}) < {index}" for axis, index in enumerate(indices, start=1) if len(indices) > 1]
+    return " || ".join(tests)
 
 
 def quoted(text: str) -> str:

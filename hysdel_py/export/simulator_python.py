@@ -7,6 +7,7 @@ from itertools import count
 from typing import assert_never
 
 from hysdel_py.diagnostics.sink import Sink
+from hysdel_py.export.identifiers import identifiers
 from hysdel_py.export.statements import LogicWriter, refuse_loop, refuse_undefined
 from hysdel_py.semantics.typed_model import TypedModel
 from hysdel_py.systems.affine import Affine
@@ -90,7 +91,9 @@ class _Writer:
 
     def __init__(self, dha: Dha) -> None:
         self._dha = dha
-        self._text = {v.name: f"{key}_{v.name}" for key, group in _groups(dha).items() if key != "y" for v in group}
+        groups = {key: group for key, group in _groups(dha).items() if key != "y"}
+        named = identifiers(v.name for group in groups.values() for v in group)
+        self._text = {v.name: f"{key}_{named[v.name]}" for key, group in groups.items() for v in group}
         self._fresh = (f"t{number}" for number in count(1))
         self._logic = LogicWriter(
             "True", "False", "(not {0})", "({0} and {1})", "({0} or {1})", "({0} == {1})",

@@ -43,6 +43,7 @@ def tmlanguage(grammar: str) -> dict[str, Any]:
             {"name": "comment.line.double-slash.hysdel", "match": "//.*$"},
             _words("keyword.control.hysdel", words & _CONTROL),
             _words("storage.type.hysdel", words & TYPES),
+            {"name": "storage.type.hysdel", "match": rf"\b{_terminal(grammar, 'INDEX')}"},
             _words("keyword.other.section.hysdel", words & SECTIONS | rest),
             _words("constant.language.hysdel", words & _TRUTHS),
             {"name": "support.function.hysdel", "match": rf"\b{_terminal(grammar, 'FUNCTION')}"},

@@ -9,8 +9,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from dataclasses import replace
-from itertools import pairwise, takewhile
+from itertools import pairwise
 
 from hysdel_py.diagnostics.codes import Code
 from hysdel_py.diagnostics.diagnostic import Label
@@ -18,6 +17,7 @@ from hysdel_py.diagnostics.sink import Sink
 from hysdel_py.lowering.cnf import TooManyClauses, cnf
 from hysdel_py.lowering.constants import Constants
 from hysdel_py.lowering.expressions import ExpressionLowering, mentions_constant
+from hysdel_py.lowering.generated import Generated, check_finite
 from hysdel_py.semantics.expressions import Expression
 from hysdel_py.semantics.symbols import EPSILON, Role, Symbol
 from hysdel_py.semantics.typed_model import Branch, Choice, Equation, Item, Requirement, Threshold, Triple, TypedModel
@@ -34,7 +34,7 @@ from hysdel_py.systems.dha import (
     LogicRequirement,
     Switch,
 )
-from hysdel_py.systems.formula import Connective, Formula, Literal
+from hysdel_py.systems.formula import Connective, Formula
 from hysdel_py.systems.origin import Origin
 from hysdel_py.systems.signals import Kind, Type, Variable
 from hysdel_py.systems.symbolic import greatest, is_finite, is_undefined, least
@@ -46,7 +46,12 @@ _AFFINE_ITEM = {
     SectionKind.CONTINUOUS: "Continuous",
     SectionKind.OUTPUT: "Cont_output",
 }
-_LOGIC_ITEM = {SectionKind.LOGIC: "Logic", SectionKind.AUTOMATA: "Automata", SectionKind.OUTPUT: "Logic_output"}
+_LOGIC_ITEM = {
+    SectionKind.AD: "Logic",  # a strict comparison is the negation of an event
+    SectionKind.LOGIC: "Logic",
+    SectionKind.AUTOMATA: "Automata",
+    SectionKind.OUTPUT: "Logic_output",
+}
 _UPDATES = frozenset({SectionKind.CONTINUOUS, SectionKind.AUTOMATA, SectionKind.OUTPUT})
 
 
@@ -75,9 +80,9 @@ def to_dha(model: TypedModel, values: Mapping[str, float], constants: Constants,
         vector(Role.STATE, Kind.STATE),
         vector(Role.INPUT, Kind.INPUT),
         vector(Role.OUTPUT, Kind.OUTPUT),
-        d + tuple(lowering.generated_booleans),
-        z + tuple(lowering.generated_reals),
-        items + tuple(lowering.generated_items),
+        d + tuple(lowering.generated.booleans),
+        z + tuple(lowering.generated.reals),
+        items + tuple(lowering.generated.items),
         model.source.name,
     )
     _warn_of_loop(dha, sink)
@@ -130,14 +135,11 @@ class _ItemLowering:
     """Lowers items in file order and collects what they generate."""
 
     def __init__(self, model: TypedModel, expressions: ExpressionLowering, constants: Constants, sink: Sink) -> None:
-        self.generated_booleans: list[Variable] = []
-        self.generated_reals: list[Variable] = []
-        self.generated_items: list[DhaItem] = []
         self._expressions = expressions
         self._constants = constants
         self._sink = sink
         self._epsilon_is_parameter = any(s.name == EPSILON and s.is_parameter for s in model.symbols)
-        self._taken = {symbol.name for symbol in model.symbols}
+        self.generated = Generated(self._epsilon, sink)
         self._origin = Origin()
 
     def item(self, item: Item) -> list[DhaItem]:
@@ -146,6 +148,7 @@ class _ItemLowering:
         self._origin = Origin(
             item.section.value, item.number, 1, item.line, depends, item.text, item.span.start, item.span.end
         )
+        self.generated.start(self._origin, continues=item.continues)
         lowered: DhaItem | None
         match item.body:
             case Threshold() as threshold:
@@ -155,18 +158,17 @@ class _ItemLowering:
             case Equation() as equation:
                 lowered = self._equation(item, equation)
             case Requirement(value=value):
-                lowered = LogicRequirement(self._expressions.formula(value), self._origin)
-        self._check_finite(lowered, item.span)
-        return [] if lowered is None else [lowered]
+                lowered = LogicRequirement(self._formula(value), self._origin)
+        if lowered is None:
+            return []
+        check_finite(lowered, item.span, self._sink)
+        return [lowered]
 
     def _affine(self, expression: Expression) -> Affine:
-        return self._expressions.affine(expression, self._named_cast)
+        return self._expressions.affine(expression, self.generated)
 
-    def _named_cast(self, formula: Formula) -> str:
-        if self._origin.section in ("AD", "DA"):
-            span = Span(self._origin.start, self._origin.end)
-            self._sink.note(Code.EXTENSION, "HYSDEL 2.0.5 crashes at a compound (REAL ...) in AD and DA", span)
-        return self._named(formula)
+    def _formula(self, expression: Expression) -> Formula:
+        return self._expressions.formula(expression, self.generated)
 
     def _threshold(self, item: Item, threshold: Threshold) -> DhaItem:
         left, right = self._affine(threshold.left), self._affine(threshold.right)
@@ -189,7 +191,7 @@ class _ItemLowering:
         if not self._epsilon_is_parameter:
             self._sink.error(
                 Code.EPSILON_NOT_PARAMETER,
-                f"AD needs the parameter {EPSILON}, which is declared as a variable here",
+                f"a comparison needs the parameter {EPSILON}, which is declared as a variable here",
                 span,
                 help="rename the variable",
             )
@@ -208,12 +210,11 @@ class _ItemLowering:
 
     def _choice(self, item: Item, choice: Choice) -> DhaItem | None:
         name = item.target.name if item.target else ""
-        formula = self._expressions.formula(choice.condition)
-        condition = formula.literal or Literal(self._named(formula))
+        condition = self.generated.condition(self._formula(choice.condition))
         then, then_limits = self._branch(choice.then)
         otherwise, otherwise_limits = self._branch(choice.otherwise)
         if then.is_constant and otherwise.is_constant:
-            self._constant_choice(name, condition, then.constant, otherwise.constant)
+            self.generated.choose(name, condition, then.constant, otherwise.constant)
             return None
         return Switch(name, condition, then, otherwise, then_limits, otherwise_limits, self._origin)
 
@@ -223,18 +224,10 @@ class _ItemLowering:
         limits = None if branch.triple is None else self._triple(branch.triple)[0]
         return self._affine(branch.value), limits
 
-    def _constant_choice(self, name: str, condition: Literal, then: float, otherwise: float) -> None:
-        """A choice between two numbers is affine in the condition and goes to the generated definitions."""
-        if not condition.positive:
-            then, otherwise = otherwise, then
-        value = Affine(otherwise, ((condition.name, then - otherwise),))
-        # The original counts it as 2 even behind the definition of a compound condition, which is 2 as well.
-        self.generated_items.append(AffineEquation("Linear", name, value, replace(self._origin, subgroup=2)))
-
     def _equation(self, item: Item, equation: Equation) -> DhaItem:
         name = item.target.name if item.target else ""
         if equation.value.type is Type.BOOL:
-            return self._logic_equation(item, name, self._expressions.formula(equation.value))
+            return self._logic_equation(item, name, self._formula(equation.value))
         value = self._affine(equation.value)
         if item.section in _UPDATES and mentions_constant(equation.value):
             value = self._without_constant(value, item.span)
@@ -246,11 +239,9 @@ class _ItemLowering:
         if self._constants is Constants.FORBID:
             self._refuse_constant("a constant term", span)
             return value
-        if any(generated.origin.group == self._origin.group for generated in self.generated_items[-1:]):
+        if self.generated.has_made_any:
             self._sink.note(Code.EXTENSION, "HYSDEL 2.0.5 crashes at -a with a constant beside (REAL ...)", span)
-        aux = self._new_variable(Type.REAL, value.constant, value.constant)
-        self.generated_items.append(AffineEquation("Linear", aux, Affine(value.constant), self._next_origin()))
-        return Affine(0.0, (*value.terms, (aux, 1.0)))
+        return Affine(0.0, (*value.terms, (self.generated.constant(value.constant), 1.0)))
 
     def _refuse_constant(self, what: str, span: Span) -> None:
         self._sink.error(
@@ -268,7 +259,7 @@ class _ItemLowering:
             return LogicEquation(kind, name, formula, self._origin)
         if formula.postfix == (True,) and self._constants is Constants.FORBID:
             self._refuse_constant("the constant TRUE", item.span)
-        return LogicEquation(kind, name, Formula((self._named(formula),)), self._origin)
+        return LogicEquation(kind, name, Formula((self.generated.boolean(formula),)), self._origin)
 
     def _fits_row(self, formula: Formula) -> bool:
         """Whether a Boolean update can be a row of the update or output matrices as it is."""
@@ -279,38 +270,6 @@ class _ItemLowering:
                 return self._constants is Constants.AFFINE
             case _:
                 return False
-
-    def _named(self, formula: Formula) -> str:
-        """A new Boolean that is equal to a formula."""
-        name = self._new_variable(Type.BOOL, 0.0, 1.0)
-        self.generated_items.append(LogicEquation("Logic", name, formula, self._next_origin()))
-        return name
-
-    def _new_variable(self, type_: Type, low: float, high: float) -> str:
-        number = len(self.generated_booleans) + len(self.generated_reals) + 1
-        name = f"__additional_{number}"
-        kind, group = (
-            (Kind.BOOLEAN_AUX, self.generated_booleans) if type_ is Type.BOOL else (Kind.REAL_AUX, self.generated_reals)
-        )
-        group.append(
-            Variable(
-                name, type_, kind, low, high, description=self._origin.text, line=self._origin.line, generated=True
-            )
-        )
-        return name
-
-    def _next_origin(self) -> Origin:
-        origin = self._origin
-        before = sum(1 for _ in takewhile(lambda item: item.origin.group == origin.group, self.generated_items[::-1]))
-        return replace(origin, subgroup=2 + before)
-
-    def _check_finite(self, item: DhaItem | None, span: Span) -> None:
-        forms = [getattr(item, field, None) for field in ("form", "then", "otherwise", "value")]
-        numbers = [
-            n for form in forms if isinstance(form, Affine) for n in (form.constant, *(c for _, c in form.terms))
-        ]
-        if not all(map(is_finite, numbers)):
-            self._sink.error(Code.BAD_ARITHMETIC, "this item has a coefficient that is not a finite number", span)
 
 
 def _is_tautology(formula: Formula) -> bool:

@@ -232,4 +232,23 @@ def _bounds(form: Affine, low: float, high: float) -> str:
 def _formula(expression: Expression) -> Formula:
     from hysdel_py.lowering.expressions import ExpressionLowering
 
-    return ExpressionLowering({}, Sink()).formula(expression)
+    return ExpressionLowering({}, Sink()).formula(expression, _Placeholders())
+
+
+class _Placeholders:
+    """Names for what an expression would generate, the same for the same; nothing is generated."""
+
+    def __init__(self) -> None:
+        self._names: dict[object, str] = {}
+
+    def _name(self, *key: object) -> str:
+        return self._names.setdefault(key, f"({len(self._names) + 1})")
+
+    def cast(self, formula: Formula) -> str:
+        return self._name(formula)
+
+    def event(self, form: Affine) -> str:
+        return self._name(form)
+
+    def switch(self, condition: Formula, then: Affine, otherwise: Affine) -> str:
+        return self._name(condition, then, otherwise)

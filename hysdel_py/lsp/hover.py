@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 
+from hysdel_py.export.identifiers import element_of
 from hysdel_py.lsp.document import Document
 from hysdel_py.lsp.names import references
 from hysdel_py.semantics.symbols import Symbol
@@ -27,6 +28,9 @@ def hover(document: Document, offset: int) -> str:
     symbol = document.symbols.get(token.text)
     if symbol is not None:
         return "\n\n".join(_about(symbol, document))
+    elements = [symbol for name, symbol in document.symbols.items() if element_of(name)[0] == token.text]
+    if elements:
+        return "\n\n".join(_about_vector(token.text, elements, document))
     declared = next((d for d in document.outline.declared if d.name == token.text), None)
     return f"**{declared.name}**: {declared.type}, declared in {declared.section}" if declared else ""
 
@@ -39,6 +43,24 @@ def _about(symbol: Symbol, document: Document) -> Iterator[str]:
     for item in document.model.items if document.model else ():
         if item.target == symbol:
             yield "\n".join(_about_item(item, document.mld))
+
+
+def _about_vector(name: str, elements: Sequence[Symbol], document: Document) -> Iterator[str]:
+    """A vector or matrix as a whole: what its elements share, the value or range of each, and its equations."""
+    first = elements[0]
+    yield f"**{name}**: {len(elements)} elements, {first.spoken}{f' [{first.unit}]' if first.unit else ''}"
+    if first.description:
+        yield first.description
+    told = [
+        f"- {s.name}{_value(s, document) if s.is_parameter else _range(s, document)}" for s in elements[:_MOST_ROWS]
+    ]
+    more = [f"- ... {len(elements) - _MOST_ROWS} more"] if len(elements) > _MOST_ROWS else []
+    yield "\n".join(told + more)
+    items = document.model.items if document.model else ()
+    texts = dict.fromkeys(
+        f"{i.section.value}, line {i.line}\n```hysdel\n{i.text}\n```" for i in items if i.target in elements
+    )
+    yield from texts
 
 
 def _value(symbol: Symbol, document: Document) -> str:

@@ -4,22 +4,18 @@ from __future__ import annotations
 
 import re
 from dataclasses import replace
-from math import pi
 
 from hysdel_py.diagnostics.codes import Code
 from hysdel_py.diagnostics.diagnostic import Label
 from hysdel_py.diagnostics.sink import Sink
 from hysdel_py.semantics.expressions import Constant, Expression, is_constant, leaves
-from hysdel_py.semantics.symbols import EPSILON, PI, Role, Symbol
+from hysdel_py.semantics.symbols import PREDEFINED, Role, Symbol
 from hysdel_py.semantics.typing import ExpressionTyper
 from hysdel_py.syntax import ast
 from hysdel_py.syntax.source import Source, Span
 from hysdel_py.systems.signals import Type
 
-__all__ = ["DEFAULT_EPSILON", "declare"]
-
-DEFAULT_EPSILON = 1e-6
-"""Value of the predefined parameter MLD_epsilon."""
+__all__ = ["declare"]
 
 _ROLE = {
     ast.SectionKind.STATE: Role.STATE,
@@ -66,7 +62,7 @@ def _predefined() -> tuple[Symbol, ...]:
     nowhere = Span(0, 0)
     return tuple(
         Symbol(name, Type.REAL, Role.PARAMETER, nowhere, 0, value=Constant(value, Type.REAL, nowhere))
-        for name, value in ((PI, pi), (EPSILON, DEFAULT_EPSILON))
+        for name, value in PREDEFINED.items()
     )
 
 

@@ -2,14 +2,19 @@
 
 from __future__ import annotations
 
+import re
+from collections import Counter
+
 from hysdel_py.diagnostics.codes import Code
 from hysdel_py.diagnostics.sink import Sink
 from hysdel_py.semantics.expressions import leaves
 from hysdel_py.semantics.symbols import EPSILON, Symbol
 from hysdel_py.semantics.typed_model import Choice, Item, Threshold, Triple, TypedModel
+from hysdel_py.syntax.source import Span
 
 __all__ = ["note_unused_parameters"]
 
+_WORD = re.compile(r"[A-Za-z_]\w*")
 _READ_BY_TOOLS = frozenset({"ts", "Ts", "T_s", EPSILON})  # the sample time and the gap are read by name
 
 
@@ -19,8 +24,11 @@ def note_unused_parameters(model: TypedModel, sink: Sink) -> None:
     for symbol in model.symbols:
         for expression in (*(symbol.bounds or ()), *((symbol.value,) if symbol.value else ())):
             used |= {leaf.name for leaf in leaves(expression)}
+    words = Counter(_WORD.findall(model.source.excerpt(Span(0, len(model.source.text)))))
     for symbol in model.parameters:
-        if symbol.line and symbol.name not in used | _READ_BY_TOOLS:
+        # Sizes, indices and loops are gone from the typed model; a second mention in the text is taken for a use.
+        mentioned = words[symbol.name.rpartition(".")[2].partition("(")[0]] > 1
+        if symbol.line and not mentioned and symbol.name not in used | _READ_BY_TOOLS:
             sink.note(Code.UNUSED_PARAMETER, f"the parameter {symbol.name} is never used", symbol.span)
 
 

@@ -11,6 +11,7 @@ from hysdel_py.diagnostics.diagnostic import Label
 from hysdel_py.diagnostics.sink import Sink
 from hysdel_py.semantics.declarations import declare
 from hysdel_py.semantics.expressions import Apply, Expression, is_constant
+from hysdel_py.semantics.older_notes import note_what_the_original_refuses
 from hysdel_py.semantics.symbols import Role, Symbol
 from hysdel_py.semantics.typed_model import (
     Body,
@@ -28,6 +29,7 @@ from hysdel_py.syntax import ast
 from hysdel_py.syntax.ast import SectionKind
 from hysdel_py.syntax.operators import COMPARISONS, Op
 from hysdel_py.syntax.source import Source
+from hysdel_py.syntax.structure import conjuncts, ungrouped
 from hysdel_py.systems.signals import Type
 
 __all__ = ["resolve"]
@@ -48,18 +50,17 @@ def resolve(system: ast.System, source: Source, sink: Sink) -> TypedModel:
     """Resolve a syntax tree; the result is meaningful only if the sink has not failed."""
     symbols = declare(system, source, sink)
     resolver = _ItemResolver(symbols, source, sink)
-    items = [resolver.item(section.kind, item) for section in system.sections for item in section.items]
-    model = TypedModel(system.name, source, tuple(symbols.values()), tuple(item for item in items if item is not None))
+    items = [r for section in system.sections for item in section.items for r in resolver.items(section.kind, item)]
+    model = TypedModel(system.name, source, tuple(symbols.values()), tuple(items))
     _check_defined_once(model, sink)
     if not sink.failed:
         _warn_unused_and_undefined(model, sink)
-    if "\r" in source.text:
-        sink.note(Code.EXTENSION, "HYSDEL 2.0.5 refuses carriage returns (line ends of Windows)")
+    note_what_the_original_refuses(system, source, sink)
     return model
 
 
 class _ItemResolver:
-    """Resolves one item after the other and numbers them."""
+    """Resolves one item after the other and numbers them; a conjunction of comparisons in MUST becomes several."""
 
     def __init__(self, symbols: dict[str, Symbol], source: Source, sink: Sink) -> None:
         self._symbols = symbols
@@ -68,18 +69,25 @@ class _ItemResolver:
         self._typer = ExpressionTyper(symbols, sink)
         self._number = 0
 
-    def item(self, section: SectionKind, item: ast.Item) -> Item | None:
-        self._number += 1
-        target = None if isinstance(item, ast.Requirement) else self._target(section, item.target)
+    def items(self, section: SectionKind, item: ast.Item) -> list[Item]:
+        if isinstance(item, ast.Requirement):
+            return [self._item(section, None, body, item) for body in self._requirements(item.value)]
+        assert not isinstance(item, ast.Loop)  # elaboration leaves scalars
+        assert isinstance(item.target, ast.Name)
+        target = self._target(section, item.target)
         body = self._body(section, item, target)
-        if body is None or (target is None and section is not SectionKind.MUST):
-            return None
-        resolved = Item(
-            section, self._number, target, body, item.span, self._source.line_of(item.span),
-            self._source.excerpt(item.span),
-        )  # fmt: skip
+        if body is None or target is None:
+            return []
+        resolved = self._item(section, target, body, item)
         self._check_recursion(resolved)
-        return resolved
+        return [resolved]
+
+    def _item(
+        self, section: SectionKind, target: Symbol | None, body: Body, item: ast.Equation | ast.Choice | ast.Requirement
+    ) -> Item:
+        self._number += 1
+        line, text = self._source.line_of(item.span), self._source.excerpt(item.span)
+        return Item(section, self._number, target, body, item.span, line, text, item.continues)
 
     def _target(self, section: SectionKind, name: ast.Name) -> Symbol | None:
         symbol = self._symbols.get(name.name)
@@ -100,12 +108,10 @@ class _ItemResolver:
             return None
         return symbol
 
-    def _body(self, section: SectionKind, item: ast.Item, target: Symbol | None) -> Body | None:
+    def _body(self, section: SectionKind, item: ast.Equation | ast.Choice, target: Symbol | None) -> Body | None:
         match item:
             case ast.Choice():
                 return self._choice(item)
-            case ast.Requirement(value=value):
-                return self._requirement(value)
             case ast.Equation() if section is SectionKind.AD:
                 return self._threshold(item)
             case ast.Equation(value=value, triple=triple):
@@ -116,13 +122,13 @@ class _ItemResolver:
                 typed = self._typer.typed(value, target.type if target else None)
                 return None if typed is None else Equation(typed)
 
-    def _threshold(self, item: ast.Equation) -> Threshold | None:
+    def _threshold(self, item: ast.Equation) -> Threshold | Equation | None:
         typed = self._typer.typed(item.value, None, comparison=True)
         triple = self._triple(item.triple)
         if typed is None or (item.triple is not None and triple is None):
             return None
-        threshold = _comparison(typed, triple)
-        if threshold is None:
+        written = ungrouped(item.value)
+        if not (isinstance(written, ast.Apply) and written.op in COMPARISONS):
             self._sink.error(
                 Code.NOT_A_COMPARISON,
                 "AD needs a comparison, this is "
@@ -131,12 +137,14 @@ class _ItemResolver:
                 typed.span,
                 help="write name = left <= right or name = left >= right; Boolean definitions belong into LOGIC",
             )
-        elif threshold.at_least and triple is not None:
+            return None
+        threshold = _comparison(typed, triple)
+        if triple is not None and (threshold is None or threshold.at_least):
             self._sink.error(
                 Code.NOT_SUPPORTED, "[min, max, epsilon] goes with <= only", triple.span,
                 help="write the condition as expression <= 0",
             )  # fmt: skip
-        return threshold
+        return threshold or Equation(typed)
 
     def _choice(self, item: ast.Choice) -> Choice | None:
         condition = self._typer.typed(item.condition, Type.BOOL)
@@ -151,11 +159,32 @@ class _ItemResolver:
         limits = self._triple(triple)
         return None if typed is None or (triple is not None and limits is None) else Branch(typed, limits)
 
-    def _requirement(self, expression: ast.Expression) -> Threshold | Requirement | None:
+    def _requirements(self, expression: ast.Expression) -> list[Body]:
+        """What has to hold; a conjunction with comparisons in it holds part by part."""
+        parts = conjuncts(expression)
+        if len(parts) == 1 or not any(isinstance(part, ast.Apply) and part.op in COMPARISONS for part in parts):
+            parts = [ungrouped(expression)]
+        else:
+            self._sink.note(
+                Code.EXTENSION, "HYSDEL 2.0.5 takes comparisons only as a whole in AD and MUST", expression.span
+            )
+        return [body for part in parts for body in self._requirement(part)]
+
+    def _requirement(self, expression: ast.Expression) -> list[Body]:
+        if isinstance(expression, ast.Apply) and expression.op is Op.EQ:
+            return self._equality(expression)
         typed = self._typer.typed(expression, Type.BOOL, comparison=True)
         if typed is None:
-            return None
-        return _comparison(typed, None) or Requirement(typed)
+            return []
+        return [_comparison(typed, None) or Requirement(typed)]
+
+    def _equality(self, expression: ast.Apply) -> list[Body]:
+        """An equality between real expressions: two inequalities."""
+        self._sink.note(Code.EXTENSION, "HYSDEL 2.0.5 knows no equality in MUST", expression.span)
+        left, right = (self._typer.typed(side, Type.REAL) for side in expression.args)
+        if left is None or right is None:
+            return []
+        return [Threshold(left, right, at_least=False), Threshold(left, right, at_least=True)]
 
     def _triple(self, triple: ast.Triple | None) -> Triple | None:
         if triple is None:
@@ -188,7 +217,7 @@ def _word(type_: Type) -> str:
 
 
 def _comparison(typed: Expression, triple: Triple | None) -> Threshold | None:
-    if isinstance(typed, Apply) and typed.op in COMPARISONS:
+    if isinstance(typed, Apply) and typed.op in (Op.LE, Op.GE):
         return Threshold(typed.args[0], typed.args[1], typed.op is Op.GE, triple)
     return None
 

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from enum import Enum
 from typing import TYPE_CHECKING
@@ -12,12 +14,15 @@ from hysdel_py.systems.signals import Type
 if TYPE_CHECKING:
     from hysdel_py.semantics.expressions import Expression
 
-__all__ = ["EPSILON", "PI", "Role", "Symbol"]
+__all__ = ["EPSILON", "PI", "PREDEFINED", "Role", "Symbol"]
 
 EPSILON = "MLD_epsilon"
 """Name of the predefined parameter that separates the two sides of a threshold."""
 
 PI = "pi"
+
+PREDEFINED: Mapping[str, float] = {PI: math.pi, EPSILON: 1e-6}
+"""Parameters that every model has, with their values."""
 
 
 class Role(Enum):

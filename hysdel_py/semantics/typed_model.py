@@ -85,6 +85,8 @@ class Item:
         Line of the first token.
     text : str
         The item on one line.
+    continues : bool
+        Whether this is the second or a later element of an item over vectors.
     """
 
     section: SectionKind
@@ -94,6 +96,7 @@ class Item:
     span: Span
     line: int
     text: str
+    continues: bool = False
 
     def expressions(self) -> Iterator[Expression]:
         """Expressions of the right side in the order in which they are written."""

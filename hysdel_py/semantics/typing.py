@@ -10,7 +10,7 @@ from hysdel_py.diagnostics.sink import Sink
 from hysdel_py.semantics.expressions import Apply, Constant, Expression, Reference, is_constant
 from hysdel_py.semantics.symbols import Role, Symbol
 from hysdel_py.syntax import ast
-from hysdel_py.syntax.operators import ARITHMETIC, COMPARISONS, FUNCTIONS, Op
+from hysdel_py.syntax.operators import ARITHMETIC, ARROWS, COMPARISONS, FUNCTIONS, Op
 from hysdel_py.syntax.source import Span
 from hysdel_py.syntax.traversal import fold
 from hysdel_py.systems.signals import Type
@@ -32,28 +32,28 @@ class ExpressionTyper:
     ) -> Expression | None:
         """Type an expression.
 
+        A comparison becomes ``<=`` or ``>=``, where need be of the other direction and negated, so that
+        ``a < b`` is ``~(a >= b)``.
+
         Parameters
         ----------
         expected : Type or None
             What its place needs, None if either will do.
         comparison : bool
-            Whether the expression may be a comparison as a whole; inside another one it may never be.
+            Whether the place is one where the original compiler takes a comparison as a whole.
         """
         result: Expression | None = fold(expression, ast.children, self._node)
-        if result is None or (not comparison and self._is_comparison(result)):
+        if result is None:
             return None
+        if not comparison and isinstance(result, Apply) and result.op in (Op.LE, Op.GE):
+            self._note_inner_comparison(result)
         return result if expected is None else self._coerced(result, expected)
 
-    def _is_comparison(self, expression: Expression) -> bool:
-        if not (isinstance(expression, Apply) and expression.op in COMPARISONS):
-            return False
-        self._sink.error(
-            Code.NOT_SUPPORTED,
-            "a comparison cannot stand here",
-            expression.span,
-            help="define a Boolean auxiliary by this comparison in AD and use that",
-        )
-        return True
+    def _note_inner_comparison(self, expression: Expression) -> None:
+        if isinstance(expression, Apply) and expression.op in (Op.LE, Op.GE):
+            self._sink.note(
+                Code.EXTENSION, "HYSDEL 2.0.5 takes comparisons only as a whole in AD and MUST", expression.span
+            )
 
     def _node(self, node: ast.Expression, args: list[Expression | None]) -> Expression | None:
         match node:
@@ -70,8 +70,24 @@ class ExpressionTyper:
                     self._sink.note(Code.EXTENSION, "HYSDEL 2.0.5 refuses a comparison in parentheses", span)
                 return args[0]
             case ast.Apply(op=op, span=span):
+                self._warn_of_mixed_logic(node)
                 known = [argument for argument in args if argument is not None]
                 return self._apply(op, known, span) if len(known) == len(args) else None
+            case ast.Conditional():
+                known = [argument for argument in args if argument is not None]
+                return self._conditional(node, known) if len(known) == len(args) else None
+            case ast.Indexed() | ast.Matrix() | ast.Range():
+                raise AssertionError(node)  # elaboration leaves scalars
+
+    def _warn_of_mixed_logic(self, node: ast.Apply) -> None:
+        """OR binds weaker than the arrows, which few expect."""
+        if node.op is Op.OR and any(isinstance(part, ast.Apply) and part.op in ARROWS for part in node.args):
+            self._sink.warning(
+                Code.MIXED_LOGIC,
+                "| binds weaker than the arrows: a | b -> c is a | (b -> c)",
+                node.span,
+                help="put parentheses where | and arrows meet",
+            )
 
     def _name(self, name: str, span: Span) -> Expression | None:
         symbol = self._symbols.get(name)
@@ -93,14 +109,50 @@ class ExpressionTyper:
 
     def _apply(self, op: Op, args: list[Expression], span: Span) -> Expression | None:
         operand = Type.REAL if op in ARITHMETIC or op in COMPARISONS else Type.BOOL
-        if any(self._is_comparison(argument) for argument in args):
-            return None
         coerced = [self._coerced(argument, operand) for argument in args]
         known = tuple(argument for argument in coerced if argument is not None)
         if len(known) < len(args) or not self._affine(op, known, span):
             return None
+        if op in COMPARISONS:
+            return self._comparison(op, known, span)
+        for argument in known:
+            self._note_inner_comparison(argument)
         type_ = Type.REAL if op in ARITHMETIC or op is Op.CAST else Type.BOOL
         return Apply(op, known, type_, all(map(is_constant, known)), span)
+
+    def _comparison(self, op: Op, args: tuple[Expression, ...], span: Span) -> Expression | None:
+        constant = all(map(is_constant, args))
+        if op in (Op.LE, Op.GE):
+            return Apply(op, args, Type.BOOL, constant, span)
+        if op is Op.EQ:
+            self._sink.error(
+                Code.NOT_SUPPORTED,
+                "an equality of real numbers has to stand alone in MUST",
+                span,
+                help="a real variable meets a number exactly only by chance; use two thresholds",
+            )
+            return None
+        self._sink.note(Code.EXTENSION, f"HYSDEL 2.0.5 knows only <= and >=, not {op.value}", span)
+        opposite = Op.GE if op is Op.LT else Op.LE
+        return Apply(Op.NOT, (Apply(opposite, args, Type.BOOL, constant, span),), Type.BOOL, constant, span)
+
+    def _conditional(self, node: ast.Conditional, args: list[Expression]) -> Expression | None:
+        """A choice inside a choice; without ELSE it is 0 elsewhere."""
+        self._sink.note(Code.EXTENSION, "HYSDEL 2.0.5 knows no IF inside an IF", node.span)
+        for triple in (node.then_triple, node.otherwise_triple):
+            if triple is not None:
+                self._sink.error(
+                    Code.NOT_SUPPORTED,
+                    "[min, max, epsilon] belongs behind the branches of the outer IF only",
+                    triple.span,
+                )
+        condition = self._coerced(args[0], Type.BOOL)
+        self._note_inner_comparison(args[0])
+        branches = [self._coerced(branch, Type.REAL) for branch in args[1:]]
+        if len(branches) == 1:
+            branches.append(Constant(0.0, Type.REAL, node.span))
+        known = tuple(part for part in (condition, *branches) if part is not None)
+        return Apply(Op.IF, known, Type.REAL, constant=False, span=node.span) if len(known) == 3 else None
 
     def _coerced(self, expression: Expression, expected: Type) -> Expression | None:
         """Check the type; a Boolean parameter counts as a number where one is needed."""

@@ -13,8 +13,9 @@ from hysdel_py.syntax.operators import Op
 from hysdel_py.syntax.source import Span
 
 __all__ = [
-    "Apply", "Choice", "Declaration", "DeclarationSection", "Equation", "Expression", "Group", "Interval", "Item",
-    "ItemSection", "Name", "Number", "Requirement", "SectionKind", "System", "Triple", "Truth", "children",
+    "Apply", "Choice", "Conditional", "Declaration", "DeclarationSection", "Equation", "Expression", "Group",
+    "Indexed", "Interval", "Item", "ItemSection", "Loop", "Matrix", "Module", "Name", "Number", "Range", "Requirement",
+    "SectionKind", "System", "Triple", "Truth", "children",
 ]  # fmt: skip
 
 
@@ -61,6 +62,32 @@ class Name:
 
 
 @dataclass(frozen=True, slots=True)
+class Range:
+    """``low:high`` as an index."""
+
+    low: Expression
+    high: Expression
+    span: Span = field(compare=False)
+
+
+@dataclass(frozen=True, slots=True)
+class Indexed:
+    """Elements of a vector or matrix, as in ``x(2)`` and ``W(1, 1:2)``."""
+
+    name: str
+    indices: tuple[Expression, ...]
+    span: Span = field(compare=False)
+
+
+@dataclass(frozen=True, slots=True)
+class Matrix:
+    """``[a, b; c, d]``."""
+
+    rows: tuple[tuple[Expression, ...], ...]
+    span: Span = field(compare=False)
+
+
+@dataclass(frozen=True, slots=True)
 class Group:
     """An expression in parentheses."""
 
@@ -77,34 +104,56 @@ class Apply:
     span: Span = field(compare=False)
 
 
-Expression = Number | Truth | Name | Group | Apply
+@dataclass(frozen=True, slots=True)
+class Conditional:
+    """``{IF condition THEN then ELSE otherwise}`` as a branch of another one."""
+
+    condition: Expression
+    then: Expression
+    then_triple: Triple | None
+    otherwise: Expression | None
+    otherwise_triple: Triple | None
+    span: Span = field(compare=False)
 
 
-def children(expression: Expression) -> tuple[Expression, ...]:
+Expression = Number | Truth | Name | Range | Indexed | Matrix | Group | Apply | Conditional
+
+
+def children(expression: Expression) -> tuple[Expression, ...]:  # noqa: PLR0911 -- a table
     """Direct sub-expressions."""
     match expression:
         case Apply(args=args):
             return args
         case Group(inner=inner):
             return (inner,)
+        case Indexed(indices=indices):
+            return indices
+        case Matrix(rows=rows):
+            return tuple(entry for row in rows for entry in row)
+        case Range(low=low, high=high):
+            return (low, high)
+        case Conditional(condition=condition, then=then, otherwise=otherwise):
+            return (condition, then) if otherwise is None else (condition, then, otherwise)
         case _:
             return ()
 
 
 @dataclass(frozen=True, slots=True)
 class Interval:
-    """``[low, high]`` behind a declared variable."""
+    """``[low, high]`` behind a declared variable; ``[low, high; low, high]`` has `further` rows."""
 
     low: Expression
     high: Expression
     span: Span = field(compare=False)
+    further: tuple[tuple[Expression, Expression], ...] = ()
 
 
 @dataclass(frozen=True, slots=True)
 class Declaration:
     """One declared variable or parameter.
 
-    `type` is ``"REAL"`` or ``"BOOL"``; variables may have an interval, parameters a value.
+    `type` is ``"REAL"`` or ``"BOOL"``, in AUX also ``"INDEX"``; variables may have an interval, parameters a value;
+    `size` holds no, one or two expressions.
     """
 
     type: str
@@ -113,6 +162,7 @@ class Declaration:
     value: Expression | None
     span: Span = field(compare=False)
     name_span: Span = field(compare=False)
+    size: tuple[Expression, ...] = ()
 
 
 @dataclass(frozen=True, slots=True)
@@ -136,25 +186,30 @@ class Triple:
 
 @dataclass(frozen=True, slots=True)
 class Equation:
-    """``target = value``; a threshold in AD may carry a triple."""
+    """``target = value``; a threshold in AD may carry a triple.
 
-    target: Name
+    `continues` marks the second and later elements of an item over vectors.
+    """
+
+    target: Name | Indexed
     value: Expression
     triple: Triple | None
     span: Span = field(compare=False)
+    continues: bool = field(default=False, compare=False)
 
 
 @dataclass(frozen=True, slots=True)
 class Choice:
     """``target = {IF condition THEN then ELSE otherwise}``."""
 
-    target: Name
+    target: Name | Indexed
     condition: Expression
     then: Expression
     then_triple: Triple | None
     otherwise: Expression | None
     otherwise_triple: Triple | None
     span: Span = field(compare=False)
+    continues: bool = field(default=False, compare=False)
 
 
 @dataclass(frozen=True, slots=True)
@@ -163,9 +218,29 @@ class Requirement:
 
     value: Expression
     span: Span = field(compare=False)
+    continues: bool = field(default=False, compare=False)
 
 
-Item = Equation | Choice | Requirement
+@dataclass(frozen=True, slots=True)
+class Loop:
+    """``FOR (iterator = low:high) { items }``."""
+
+    iterator: Name
+    low: Expression
+    high: Expression
+    items: tuple[Item, ...]
+    span: Span = field(compare=False)
+
+
+Item = Equation | Choice | Requirement | Loop
+
+
+@dataclass(frozen=True, slots=True)
+class Module:
+    """A sub-system: the name of its file without ``.hys``, and its own name."""
+
+    file: Name
+    name: Name
 
 
 @dataclass(frozen=True, slots=True)
@@ -185,3 +260,4 @@ class System:
     declarations: tuple[DeclarationSection, ...]
     sections: tuple[ItemSection, ...]
     span: Span = field(compare=False)
+    modules: tuple[Module, ...] = ()

@@ -60,5 +60,5 @@ class Automaton:
 
 
 def _is_keyword(terminal: TerminalDef) -> bool:
-    """Whether a terminal of the grammar is a word that is named as it is spelled."""
-    return terminal.pattern.type == "str" and terminal.pattern.value == terminal.name
+    """Whether a terminal of the grammar is a word that is named as it is spelled, whatever has to follow it."""
+    return terminal.pattern.value.split("(?=")[0] == terminal.name

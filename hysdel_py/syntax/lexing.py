@@ -22,20 +22,18 @@ BAD = "BAD"
 END = "$END"
 """Type of the last token, which is empty."""
 
-COMMENT_STARTS = ("//", "#", "%")
+COMMENT_STARTS = ("#", "%")
 """What starts a comment in other languages."""
 
 # A run of characters that start no token; letters, digits, blanks and the marks of the language end it.
-_FOREIGN_RUN = re.compile(r"[^A-Za-z0-9\s(){}\[\],;=+\-*/^&|~!<>._:#%]+|([<>._:#%])\1*")
+_FOREIGN_RUN = re.compile(r"[^A-Za-z0-9\s(){}\[\],;=+\-*/^&|~!<>._:#%]+|([._#%])\1*")
+_BEFORE_BRANCH = ("THEN", "ELSE")  # keywords behind which a brace opens an IF
 _MAX_FOREIGN = 5000  # tokens of foreign characters that are read, reported or not
 _HINTS = {
-    "<": "only <= and >= compare: there is no strict inequality between real numbers in a sampled model",
-    ">": "only <= and >= compare: there is no strict inequality between real numbers in a sampled model",
-    ".": "names hold letters, digits and underscores only",
+    ".": "a dot stands between the names of a module and of what it holds, without blanks",
     "_": "names start with a letter",
-    ":": "definitions are written with a single =",
-} | dict.fromkeys(COMMENT_STARTS, "comments are written /* like this */")
-_REPLACEMENTS = {"<": "<=", ">": ">=", "\u2212": "-", "\u2013": "-", "\u2264": "<=", "\u2265": ">="}
+} | dict.fromkeys(COMMENT_STARTS, "comments are written /* like this */ or // like this")
+_REPLACEMENTS = {"\u2212": "-", "\u2013": "-", "\u2264": "<=", "\u2265": ">="}
 
 
 def tokenize(lark: Lark, source: Source, sink: Sink, limit: int) -> tuple[list[Token], bool]:
@@ -64,7 +62,6 @@ def tokenize(lark: Lark, source: Source, sink: Sink, limit: int) -> tuple[list[T
         else:
             tokens.append(Token(END, "", start_pos=len(source.text), end_pos=len(source.text)))
             break
-    tokens = _with_line_comments(tokens)
     complete = _report_foreign(tokens, source, sink, limit) and foreign < _MAX_FOREIGN
     if not complete:
         too_many(source, sink, limit)
@@ -92,8 +89,9 @@ def is_keyword(token: Token) -> bool:
 
 
 def opens_section(tokens: list[Token], index: int) -> bool:
-    """Whether a keyword and an opening brace stand at an index."""
-    return is_keyword(tokens[index]) and tokens[index + 1].type == "LBRACE"
+    """Whether the keyword of a section and an opening brace stand at an index."""
+    token = tokens[index]
+    return is_keyword(token) and token.type not in _BEFORE_BRANCH and tokens[index + 1].type == "LBRACE"
 
 
 def _report_foreign(tokens: list[Token], source: Source, sink: Sink, limit: int) -> bool:
@@ -132,15 +130,3 @@ def _bad_token(source: Source, offset: int) -> Token:
     run = _FOREIGN_RUN.match(source.text, offset)
     text = run[0] if run else source.text[offset]
     return Token(BAD, text, start_pos=offset, end_pos=offset + len(text))
-
-
-def _with_line_comments(tokens: list[Token]) -> list[Token]:
-    """Join two adjacent slashes, which no expression can hold, to the start of a foreign comment."""
-    joined: list[Token] = []
-    for token in tokens:
-        last = joined[-1] if joined else token
-        if token.type == "OVER" and last.type == "OVER" and last.end_pos == token.start_pos:
-            joined[-1] = Token(BAD, "//", start_pos=last.start_pos, end_pos=token.end_pos)
-        else:
-            joined.append(token)
-    return joined

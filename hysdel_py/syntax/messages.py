@@ -24,12 +24,18 @@ _SPOKEN = {
     "$END": "the end of the file",
 }
 _OPERATORS = {
+    "LT": "<", "GT": ">", "EQ": "==", "COLON": ":",
     "OR": "|", "AND": "&", "NOT": "~", "IFF": "<->", "IMPLIES": "->", "IMPLIED_BY": "<-", "LE": "<=", "GE": ">=",
     "PLUS": "+", "MINUS": "-", "TIMES": "*", "OVER": "/", "CARET": "^", "LBRACE": "{", "RBRACE": "}", "LPAR": "(",
     "RPAR": ")", "LSQB": "[", "RSQB": "]", "SEMICOLON": ";", "COMMA": ",", "EQUAL": "=",
 }  # fmt: skip
-_START_OF_EXPRESSION = {"NUMBER", "NAME", "FUNCTION", "LPAR", "MINUS", "NOT", "TRUE", "FALSE"}
-_BINARY = {"OR", "AND", "IFF", "IMPLIES", "IMPLIED_BY", "LE", "GE", "PLUS", "MINUS", "TIMES", "OVER", "CARET"}
+_START_OF_EXPRESSION = {"NUMBER", "NAME", "FUNCTION", "LPAR", "LSQB", "MINUS", "NOT", "TRUE", "FALSE"}
+_BINARY = {
+    "OR", "AND", "IFF", "IMPLIES", "IMPLIED_BY", "LE", "GE", "LT", "GT", "EQ", "PLUS", "MINUS", "TIMES", "OVER",
+    "CARET",
+}  # fmt: skip
+_BEHIND = {"INDEX": "a name", "MODULE": "'{'"}  # what makes these words keywords
+_ALSO_NAMES = {"FOR", "INDEX", "MODULE"}  # words that are not worth mentioning where a name is expected
 
 
 class SyntaxReporter:
@@ -59,10 +65,20 @@ class SyntaxReporter:
         elif repair.insert and repair.insert[0][0] == "SEMICOLON":
             self._missing_semicolon(position)
         elif repair.insert:
-            place = span_of(self._tokens[position]).start if not position else span_of(self._tokens[position - 1]).end
-            self._unexpected(position, ((Span(place, place), repair.insert[0][1]),))
+            self._unexpected(position, (self._insertion(repair, position),))
         else:
             self._unexpected(position, ((span_of(self._tokens[position]), ""),))
+
+    def open_bracket(self, repair: Repair, position: int) -> None:
+        """A semicolon that ends an item in which a bracket is still open."""
+        expected = [name for name in self._automaton.expected() if name != "SEMICOLON"]
+        self._error(
+            Code.UNEXPECTED,
+            f"expected {_spoken_list(expected)}, found ';'",
+            span_of(self._tokens[position]),
+            labels=self._still_open(position, "LSQB", "RSQB"),
+            fixes=(self._insertion(repair, position),),
+        )
 
     def too_many(self, limit: int) -> None:
         """The last message of a file that has too many errors."""
@@ -104,16 +120,31 @@ class SyntaxReporter:
         self._error(Code.UNCLOSED, "this comment is never closed: */ is missing", Span(start, start + 2))
         return True
 
+    def _insertion(self, repair: Repair, position: int) -> tuple[Span, str]:
+        """The supposed tokens as a change of the text."""
+        place = span_of(self._tokens[position - 1]).end if position else span_of(self._tokens[position]).start
+        return Span(place, place), "".join(text for _, text in repair.insert)
+
     def _unexpected(self, position: int, fixes: tuple[tuple[Span, str], ...]) -> None:
         token = self._tokens[position]
         span, expected = self._place(token), self._automaton.expected()
+        word = str(token)
+        if token.type == "NAME" and word in expected and word in _BEHIND:
+            # Without what has to follow it the word was read as a name.
+            help = (
+                f"no comment may stand behind {word}" if self._source.text[span.end :].lstrip().startswith("/") else ""
+            )
+            self._error(Code.UNEXPECTED, f"expected {_BEHIND[word]} behind {word}", span, help=help)
+            return
         found = "the end of the file" if token.type == END else f"'{token:.40}'"
         self._error(
             Code.UNEXPECTED,
             f"expected {_spoken_list(expected)}, found {found}",
             span,
-            help=_advice(token, expected, self._source.text[span.start : span.start + 2]),
-            labels=self._open_parenthesis(position) if "RPAR" in expected and token.type == "SEMICOLON" else (),
+            help=self._advice(position, expected),
+            labels=self._still_open(position, "LPAR", "RPAR")
+            if "RPAR" in expected and token.type == "SEMICOLON"
+            else (),
             fixes=fixes,
         )
 
@@ -122,16 +153,30 @@ class SyntaxReporter:
         end = len(self._source.text.rstrip())
         return Span(max(end - 1, 0), end) if token.type == END else span_of(token)
 
-    def _open_parenthesis(self, position: int) -> tuple[Label, ...]:
-        """The last parenthesis before a token that is still open."""
+    def _still_open(self, position: int, opening: str, closing: str) -> tuple[Label, ...]:
+        """The last parenthesis or bracket before a token that is still open."""
         depth = 0
-        for token in reversed(self._tokens[:position]):
-            depth += (token.type == "RPAR") - (token.type == "LPAR")
+        for index in range(position - 1, -1, -1):
+            token = self._tokens[index]
+            depth += (token.type == closing) - (token.type == opening)
             if depth < 0:
                 return (Label(span_of(token), "opened here"),)
-            if token.type == "SEMICOLON":
+            if token.type == ("SEMICOLON" if opening == "LPAR" else "LBRACE"):
                 break
         return ()
+
+    def _advice(self, position: int, expected: Sequence[str]) -> str:
+        """Advice for a token."""
+        token = self._tokens[position]
+        if "NAME" in expected and (is_keyword(token) or token.type == "FUNCTION"):
+            return f"{token} is a word of the language and cannot be a name here"
+        if token == "+" and "NUMBER" in expected:
+            return "there is no unary plus"
+        if token == "=":
+            if position > 2 and self._tokens[position - 3].upper() == "FOR":
+                return "keywords are written in capitals: FOR"
+            return "equal is written ==, at most <= and at least >=" if _BINARY & set(expected) else ""
+        return "every item ends with a semicolon" if "SEMICOLON" in expected and "RSQB" not in expected else ""
 
     def _error(
         self,
@@ -151,6 +196,8 @@ def _spoken_list(terminals: Sequence[str]) -> str:
     """Terminals in words, with those that start or continue an expression folded into one word."""
     rest = set(terminals)
     words = []
+    if "NAME" in rest:
+        rest -= _ALSO_NAMES
     if rest >= {"NUMBER", "NAME", "LPAR"}:
         words.append("an expression")
         rest -= _START_OF_EXPRESSION
@@ -159,23 +206,6 @@ def _spoken_list(terminals: Sequence[str]) -> str:
         rest -= _BINARY
     words += [_SPOKEN.get(name) or f"'{_OPERATORS.get(name, name)}'" for name in sorted(rest)]
     return words[0] if len(words) == 1 else ", ".join(words[:-1]) + " or " + words[-1]
-
-
-def _advice(token: Token, expected: Sequence[str], pair: str) -> str:  # noqa: PLR0911 -- a table of cases
-    """Advice for a token; `pair` is it and the character behind it."""
-    if "NAME" in expected and (is_keyword(token) or token.type == "FUNCTION"):
-        return f"{token} is a word of the language and cannot be a name here"
-    if pair == "==":
-        return "there is no comparison by ==; use two conditions, one with <= and one with >="
-    if token == "+" and "NUMBER" in expected:
-        return "there is no unary plus"
-    if token == "AUX":
-        return "there is one AUX section and it comes first in IMPLEMENTATION"
-    if token in ("<=", ">="):
-        return "comparisons belong into AD (as name = left <= right) or stand alone in MUST; they cannot be chained"
-    if token == "(" and "LSQB" in expected:
-        return "variables are scalars: there are no vectors and no matrices"
-    return "every item ends with a semicolon" if "SEMICOLON" in expected else ""
 
 
 def _comment_left_open(source: Source) -> bool:

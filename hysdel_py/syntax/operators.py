@@ -24,6 +24,10 @@ class Op(Enum):
     CAST = "(REAL)"
     LE = "<="
     GE = ">="
+    LT = "<"
+    GT = ">"
+    EQ = "=="
+    IF = "if"
     NOT = "~"
     AND = "&"
     OR = "|"
@@ -34,6 +38,6 @@ class Op(Enum):
 
 FUNCTIONS = frozenset({Op.SIN, Op.COS, Op.EXP, Op.LOG, Op.SQRT})
 ARITHMETIC = frozenset({Op.NEGATE, Op.ADD, Op.SUBTRACT, Op.MULTIPLY, Op.DIVIDE, Op.POWER}) | FUNCTIONS
-COMPARISONS = frozenset({Op.LE, Op.GE})
+COMPARISONS = frozenset({Op.LE, Op.GE, Op.LT, Op.GT, Op.EQ})
 ARROWS = frozenset({Op.IMPLIES, Op.IMPLIED_BY, Op.IFF})
 CONNECTIVES = frozenset({Op.NOT, Op.AND, Op.OR}) | ARROWS

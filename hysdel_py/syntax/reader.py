@@ -3,13 +3,12 @@
 from __future__ import annotations
 
 import os
-import re
 from pathlib import Path
 
 from hysdel_py.diagnostics.codes import Code
 from hysdel_py.diagnostics.sink import Sink
 from hysdel_py.errors import ArgumentError
-from hysdel_py.syntax.source import Source
+from hysdel_py.syntax.source import COMMENT, Source
 
 __all__ = ["MAX_CHARACTERS", "is_text", "read_source"]
 
@@ -75,7 +74,7 @@ def _read(path: Path, sink: Sink) -> str:
 def _decode_with_foreign_comments(path: Path, data: bytes, error: UnicodeDecodeError, sink: Sink) -> str:
     """Accept bytes of another encoding inside comments, as the original compiler does; refuse them elsewhere."""
     text = data.decode("latin-1")
-    bare = re.sub(r"/\*.*?(?:\*/|\Z)", "", text, flags=re.DOTALL)
+    bare = COMMENT.sub("", text)
     if bare.isascii():
         return text
     line = data.count(b"\n", 0, error.start) + 1

@@ -32,6 +32,8 @@ MAX_SYNTAX_ERRORS = 50
 _MAX_GIVEN_UP = 1000  # items that are skipped, with or without a report, before reading stops
 _CONTAINERS = frozenset({"INTERFACE", "IMPLEMENTATION", "NAME"})  # what stands before a brace that holds sections
 
+_BEFORE_CHOICE = frozenset({"EQUAL", "THEN", "ELSE"})  # what stands before the brace of an IF
+
 
 @dataclass(frozen=True, slots=True)
 class Recovered:
@@ -95,6 +97,7 @@ class _Parsing:
         self._frames = [_Frame(-1, True)]
         self._fresh = False  # whether nothing has been accepted since an item was given up
         self._given_up = 0
+        self._brackets = 0  # open ones of the item: a semicolon inside parts rows of a matrix
         self._unbalanced = False  # whether whole sections were skipped, so that the last braces prove nothing
         self._misaligned = -1  # the first brace whose closing one is indented differently
 
@@ -103,6 +106,8 @@ class _Parsing:
         position = 0
         while position < len(self._tokens):
             token = self._tokens[position]
+            if self._brackets and token.type == "SEMICOLON":
+                self._close_brackets(position)
             if self._feed(token):
                 self._note_structure(str(token.type), position)
                 position += 1
@@ -126,9 +131,12 @@ class _Parsing:
         starts = frame.depth < 0
         if starts:
             frame.first, frame.depth = index, len(self._state.state_stack) - 1
-        if type_ == "SEMICOLON":
+        self._brackets += (type_ == "LSQB") - (type_ == "RSQB")
+        if starts:
+            self._brackets = 0
+        if type_ == "SEMICOLON" and not self._brackets:
             frame.depth = -1
-        elif type_ == "LBRACE" and self._tokens[index - 1].type != "EQUAL":
+        elif type_ == "LBRACE" and self._tokens[index - 1].type not in _BEFORE_CHOICE:
             self._frames.append(_Frame(index, self._tokens[index - 1].type in _CONTAINERS))
         elif type_ == "RBRACE" and starts and len(self._frames) > 1:
             self._close(-1 if supposed else index)
@@ -170,8 +178,18 @@ class _Parsing:
         if self._fresh and self._tokens[position].type != END and not opens_section(self._tokens, position):
             return None
         within = self._frames[-1].depth >= 0
-        repair = repairs.find(self._automaton, self._tokens, position, within_item=within)
+        repair = repairs.find(self._automaton, self._tokens, position, within_item=within, brackets=self._brackets)
         return None if self._fresh and repair is not None and not repair.is_brace else repair
+
+    def _close_brackets(self, position: int) -> None:
+        """Suppose what is missing before a semicolon that ends an item but would be taken for one in a matrix."""
+        if self._frames[-1].depth < 0:
+            return
+        repair = repairs.close_brackets(self._automaton, self._tokens, position, self._brackets)
+        if repair is not None:
+            self._reporter.open_bracket(repair, position)
+            self._stop_at_limit()
+            self._apply(repair, position)
 
     def _stop_at_limit(self) -> None:
         if self._reporter.count >= MAX_SYNTAX_ERRORS:

@@ -10,14 +10,15 @@ from typing import Any
 from lark import Token, Transformer
 
 from hysdel_py.syntax import ast
-from hysdel_py.syntax.operators import FUNCTIONS, Op
+from hysdel_py.syntax.operators import COMPARISONS, FUNCTIONS, Op
 from hysdel_py.syntax.source import Span
 
 __all__ = ["TreeToAst"]
 
 _BINARY = {
     "OR": Op.OR, "AND": Op.AND, "IFF": Op.IFF, "IMPLIES": Op.IMPLIES, "IMPLIED_BY": Op.IMPLIED_BY, "LE": Op.LE,
-    "GE": Op.GE, "PLUS": Op.ADD, "MINUS": Op.SUBTRACT, "TIMES": Op.MULTIPLY, "OVER": Op.DIVIDE, "CARET": Op.POWER,
+    "GE": Op.GE, "LT": Op.LT, "GT": Op.GT, "EQ": Op.EQ,
+    "PLUS": Op.ADD, "MINUS": Op.SUBTRACT, "TIMES": Op.MULTIPLY, "OVER": Op.DIVIDE, "CARET": Op.POWER,
 }  # fmt: skip
 _UNARY = {"NOT": Op.NOT, "MINUS": Op.NEGATE}
 _FUNCTIONS = {op.value: op for op in FUNCTIONS}
@@ -40,6 +41,12 @@ def _name(token: Token) -> ast.Name:
     return ast.Name(str(token), _span(token))
 
 
+def _conditional(parts: list[Any]) -> tuple[Any, Any, Any, Any, Any]:
+    """Condition, branch and its triple, other branch and its triple."""
+    condition, then, *otherwise = _nodes(parts)
+    return (condition, *then.fields, *(otherwise[0].fields if otherwise else (None, None)))
+
+
 @dataclass(frozen=True, slots=True)
 class _Parts:
     """What a rule hands to the rule around it when that is not a node of the syntax tree."""
@@ -56,9 +63,11 @@ class TreeToAst(Transformer[Token, Any]):
 
     def system(self, parts: list[Any]) -> ast.System:
         interface, implementation = _nodes(parts)
+        declarations = tuple(s for s in interface.fields if isinstance(s, ast.DeclarationSection))
+        modules = tuple(m for s in interface.fields if isinstance(s, _Parts) for m in s.fields)
         auxiliaries = tuple(s for s in implementation.fields if isinstance(s, ast.DeclarationSection))
         sections = tuple(s for s in implementation.fields if isinstance(s, ast.ItemSection))
-        return ast.System(str(parts[1]), interface.fields + auxiliaries, sections, _around(parts))
+        return ast.System(str(parts[1]), declarations + auxiliaries, sections, _around(parts), modules)
 
     def interface(self, parts: list[Any]) -> _Parts:
         return _Parts(tuple(_nodes(parts)), _around(parts))
@@ -77,16 +86,36 @@ class TreeToAst(Transformer[Token, Any]):
     parameters = variables
 
     def variable(self, parts: list[Any]) -> _Parts:
-        interval = parts[1] if len(parts) > 1 else None
-        return _Parts((str(parts[0]), interval, None, _around(parts), _span(parts[0])), _around(parts))
+        size = next((part.fields for part in parts if isinstance(part, _Parts)), ())
+        interval = next((part for part in parts if isinstance(part, ast.Interval)), None)
+        return _Parts((str(parts[0]), interval, None, _around(parts), _span(parts[0]), size), _around(parts))
+
+    def size(self, parts: list[Any]) -> _Parts:
+        return _Parts(tuple(_nodes(parts)), _around(parts))
+
+    pair = size
+    row = size
+
+    def module_section(self, parts: list[Any]) -> _Parts:
+        return _Parts(tuple(module for line in _nodes(parts) for module in line.fields), _around(parts))
+
+    def modules(self, parts: list[Any]) -> _Parts:
+        file, *names = [part for part in parts if part.type == "NAME"]
+        return _Parts(tuple(ast.Module(_name(file), _name(name)) for name in names), _around(parts))
+
+    def iterators(self, parts: list[Any]) -> _Parts:
+        names = [part for part in parts if part.type == "NAME"]
+        declared = (ast.Declaration("INDEX", str(n), None, None, _span(n), _span(n)) for n in names)
+        return _Parts(tuple(declared), _around(parts))
 
     def parameter(self, parts: list[Any]) -> _Parts:
-        value = parts[2] if len(parts) > 1 else None
-        return _Parts((str(parts[0]), None, value, _around(parts), _span(parts[0])), _around(parts))
+        size = next((part.fields for part in parts if isinstance(part, _Parts)), ())
+        value = next((part for part in _nodes(parts) if not isinstance(part, _Parts)), None)
+        return _Parts((str(parts[0]), None, value, _around(parts), _span(parts[0]), size), _around(parts))
 
     def interval(self, parts: list[Any]) -> ast.Interval:
-        low, high = _nodes(parts)
-        return ast.Interval(low, high, _around(parts))
+        (low, high), *further = (pair.fields for pair in _nodes(parts))
+        return ast.Interval(low, high, _around(parts), tuple(further))
 
     def type(self, parts: list[Any]) -> ast.Name:
         return _name(parts[0])
@@ -95,21 +124,28 @@ class TreeToAst(Transformer[Token, Any]):
         return ast.ItemSection(ast.SectionKind(str(parts[0])), tuple(_nodes(parts)), _around(parts))
 
     def equation(self, parts: list[Any]) -> ast.Equation:
-        value, *triple = _nodes(parts)
-        return ast.Equation(_name(parts[0]), value, triple[0] if triple else None, _around(parts))
+        target, value, *triple = _nodes(parts)
+        return ast.Equation(target, value, triple[0] if triple else None, _around(parts))
 
     def choice(self, parts: list[Any]) -> ast.Choice:
-        condition, then, *rest = _nodes(parts)
-        then_triple = rest.pop(0) if rest and isinstance(rest[0], ast.Triple) else None
-        otherwise, otherwise_triple = rest[0].fields if rest else (None, None)
-        return ast.Choice(_name(parts[0]), condition, then, then_triple, otherwise, otherwise_triple, _around(parts))
+        return ast.Choice(parts[0], *_conditional(parts[1:]), _around(parts))
+
+    def branch(self, parts: list[Any]) -> _Parts:
+        value, *triple = parts
+        return _Parts((value, triple[0] if triple else None), _around(parts))
 
     def otherwise(self, parts: list[Any]) -> _Parts:
-        value, *triple = _nodes(parts)
-        return _Parts((value, triple[0] if triple else None), _around(parts))
+        return _Parts(parts[1].fields, _around(parts))
+
+    def conditional(self, parts: list[Any]) -> ast.Conditional:
+        return ast.Conditional(*_conditional(parts), _around(parts))
 
     def requirement(self, parts: list[Any]) -> ast.Requirement:
         return ast.Requirement(parts[0], _around(parts))
+
+    def loop(self, parts: list[Any]) -> ast.Loop:
+        low, high, *items = _nodes(parts)
+        return ast.Loop(_name(parts[2]), low, high, tuple(items), _around(parts))
 
     def triple(self, parts: list[Any]) -> ast.Triple:
         low, high, epsilon = _nodes(parts)
@@ -119,6 +155,17 @@ class TreeToAst(Transformer[Token, Any]):
         left, operator, right = parts
         return ast.Apply(_BINARY[operator.type], (left, right), _around(parts))
 
+    def comparison(self, parts: list[Any]) -> ast.Apply:
+        """A chain ``a <= b <= c`` is the conjunction of its links."""
+        left, operator, right = parts
+        op, span = _BINARY[operator.type], _around(parts)
+        if not isinstance(left, ast.Apply) or left.op not in COMPARISONS | {Op.AND}:
+            return ast.Apply(op, (left, right), span)
+        # An AND that no parentheses enclose can only be a shorter chain: comparisons bind tighter.
+        last: Any = left.args[1] if left.op is Op.AND else left
+        middle = last.args[1]
+        return ast.Apply(Op.AND, (left, ast.Apply(op, (middle, right), Span(middle.span.start, span.end))), span)
+
     def unary(self, parts: list[Any]) -> ast.Apply:
         return ast.Apply(_UNARY[parts[0].type], (parts[1],), _around(parts))
 
@@ -127,6 +174,16 @@ class TreeToAst(Transformer[Token, Any]):
 
     def name(self, parts: list[Any]) -> ast.Name:
         return _name(parts[0])
+
+    def indexed(self, parts: list[Any]) -> ast.Indexed:
+        return ast.Indexed(str(parts[0]), tuple(_nodes(parts)), _around(parts))
+
+    def matrix(self, parts: list[Any]) -> ast.Matrix:
+        return ast.Matrix(tuple(row.fields for row in _nodes(parts)), _around(parts))
+
+    def range(self, parts: list[Any]) -> ast.Range:
+        low, high = _nodes(parts)
+        return ast.Range(low, high, _around(parts))
 
     def truth(self, parts: list[Any]) -> ast.Truth:
         return ast.Truth(str(parts[0]) == "TRUE", _span(parts[0]))

@@ -135,3 +135,15 @@ def test_missing_file_is_a_mistake(hysdel):
     shown = hysdel("check", "tank.hys", "nothing.hys")
     assert shown.status == 1
     assert "error[HYS001]" in shown.err
+
+
+def test_a_mistake_in_a_module_is_shown_in_its_own_file(hysdel, tmp_path):
+    (tmp_path / "drain.hys").write_text(
+        "SYSTEM drain {\n  INTERFACE { STATE { REAL level [0, 1]; } }\n"
+        "  IMPLEMENTATION { CONTINUOUS { level = k*level; } }\n}\n"
+    )
+    (tmp_path / "whole.hys").write_text("SYSTEM whole { INTERFACE { MODULE { drain d; } } IMPLEMENTATION { } }\n")
+    outcome = hysdel("check", str(tmp_path / "whole.hys"))
+    assert outcome.status == 1
+    assert "d.k is not declared" in outcome.err
+    assert "drain.hys:3:41" in outcome.err

@@ -35,6 +35,20 @@ def test_order_names_and_negative_numbers(hysdel, arguments):
     assert levels(shown) == [-2, -3]
 
 
+def test_names_of_elements_hold_commas(hysdel, tmp_path):
+    (tmp_path / "matrix.hys").write_text(
+        "SYSTEM matrix { INTERFACE { STATE { REAL W(2, 2) [0, 9], level(2) [0, 9]; } }"
+        " IMPLEMENTATION { CONTINUOUS { W = 2*W; level = level; } } }"
+    )
+    start = "W(2,1)=1, level(2)=0.5,W(1,1)=0,W(1,2)=2,W(2,2)=0,level(1)=3"
+    shown = hysdel("simulate", str(tmp_path / "matrix.hys"), "--x0", start, "--steps", "2")
+    assert (shown.status, shown.err) == (0, "")
+    assert [row["W(2,1)"] for row in shown.rows] == [1, 2]
+    assert [row["level(2)"] for row in shown.rows] == [0.5, 0.5]
+    weighted = ("--weight", "W(2,1)=1,level(2)=2", "--horizon", "1", "--steps", "1")
+    assert hysdel("mpc", str(tmp_path / "matrix.hys"), "--x0", start, *weighted).status == 0
+
+
 def test_default_is_twenty_steps(hysdel):
     assert len(hysdel(*START, "--input", "0,1").rows) == 20
 

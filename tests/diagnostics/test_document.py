@@ -8,7 +8,7 @@ from hysdel_py.diagnostics.codes import Code
 # Codes that no small text can cause, so that their pages have no example.
 WITHOUT_EXAMPLE = {
     Code.UNREADABLE, Code.NOT_TEXT, Code.NOT_UTF8, Code.TOO_LONG, Code.TOO_MANY_ERRORS, Code.PARAMETER_UNKNOWN,
-    Code.CONSTANT_TERM, Code.TOO_MANY_CLAUSES, Code.TOO_LARGE,
+    Code.CONSTANT_TERM, Code.TOO_MANY_CLAUSES, Code.TOO_LARGE, Code.MODULE,
 }  # fmt: skip
 
 

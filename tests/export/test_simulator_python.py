@@ -56,6 +56,18 @@ def test_corpus_models_step_alike(accepted):
     compare(accepted.model(), 30)
 
 
+CLASH = """SYSTEM s {
+  INTERFACE { STATE { REAL a(2) [0, 9]; REAL a_1 [0, 9], a_2_ [0, 9]; } INPUT { REAL u [0, 1]; } }
+  IMPLEMENTATION { CONTINUOUS { a = [a(2) + u; 2*a_1]; a_1 = 3*a_2_; a_2_ = a(1); } }
+}
+"""
+
+
+@pytest.mark.parametrize("text", ["three_tanks", CLASH], ids=["three_tanks", "clash"])
+def test_vectors_step_alike(text):
+    compare(hys.load(text), 100)
+
+
 @settings(max_examples=40, deadline=None, suppress_health_check=[HealthCheck.too_slow])
 @given(models())
 def test_random_models_step_alike(text):

@@ -61,6 +61,26 @@ def test_shipped_models(name):
     assert loaded(stubs_of(hys.load(name).typed))
 
 
+def test_elements_are_fields_and_matrices_are_given_as_a_whole():
+    model = hys.load("three_tanks")
+    text = stubs_of(model.typed)
+    assert '    level_2: float\n    """level(2): level [dm]"""\n' in text
+    assert "    pumps: Sequence[Sequence[float]]\n" in text
+    names = loaded(text)
+    start = names["ThreeTanksState"](h_1=1, h_2=2, h_3=3)
+    inputs = names["ThreeTanksInput"](q_1=0.0, q_2=0.0, open_1=False, open_2=False)
+    _, y, *_ = model.dha.step(start, inputs)
+    assert names["ThreeTanksOutput"](*y).level_2 == 2
+    hys.load("three_tanks", **names["ThreeTanksParameters"](pumps=[[1, 0], [0, 1], [0, 0]]))
+
+
+def test_names_of_elements_and_of_modules_clash_with_nothing():
+    fields = [Field(name) for name in ("W(1)", "W_1", "t1.W", "t1_W", "W(1,1)", "in")]
+    assert loaded(stub_module("s", {"State": fields}, fields))["SState"]._fields == (
+        "W_1_", "W_1", "t1_W_", "t1_W", "W_1_1", "in_",
+    )  # fmt: skip
+
+
 RIGHT = """
 from names import TwoPartsInput, TwoPartsParameters, TwoPartsState
 state = TwoPartsState(level=1.0, lambda_=0.0, count_=0, open=True)

@@ -21,6 +21,7 @@ SAMPLE = """/* [m] two
 lines REAL */ SYSTEM tank2 {
 REAL x [-1.5e-3, .5], sinus; // rest
 d = a <-> ~b2 && TRUE; z = {IF d THEN sin(pi*x) ELSE 2^x}; REALM IFS d4 = x(2:3) == 1.;
+INDEX i; FOR (i = 1:n) { t1.q < W(i, 1); INDEX = 2;
 """
 SECTION, TYPE, NAME = "keyword.other.section", "storage.type", "variable.other"
 EXPECTED = [
@@ -31,7 +32,9 @@ EXPECTED = [
     ("~", "keyword.operator"), ("b2", NAME), ("&&", "keyword.operator"), ("TRUE", "constant.language"),
     ("IF", "keyword.control"), ("THEN", "keyword.control"), ("sin", "support.function"), ("pi", "variable.language"),
     ("ELSE", "keyword.control"), ("REALM", NAME), ("IFS", NAME), ("d4", NAME), (":", "keyword.operator"),
-    ("==", "keyword.operator"), ("1.", "constant.numeric"),
+    ("==", "keyword.operator"), ("1.", "constant.numeric"), ("INDEX", TYPE), ("i", NAME),
+    ("FOR", "keyword.control"), ("=", "keyword.operator"),
+    (":", "keyword.operator"), ("t1.q", NAME), ("<", "keyword.operator"), ("W", NAME), ("INDEX", NAME),
 ]  # fmt: skip
 
 

@@ -187,3 +187,14 @@ def test_no_text_is_a_fault(start, length, offset):
     completions(document, offset)
     references(document, offset)
     entries(document)
+
+
+def test_hover_over_a_vector():
+    text = (
+        "SYSTEM s { INTERFACE { STATE { REAL level(2) [0, 9]; /* [m] height */ } PARAMETER { REAL k(2) = [1; 2]; } }"
+        " IMPLEMENTATION { CONTINUOUS { level = level - k; } } }"
+    )
+    shown = ask(hover, "level = level", "level", text)
+    for part in ("**level**: 2 elements, real state [m]", "height", "- level(2) in [0, 9]", "CONTINUOUS, line 1"):
+        assert part in shown
+    assert "- k(2) = 2" in ask(hover, "- k;", "k", text)

@@ -76,3 +76,21 @@ def test_deep_syntax_trees_can_be_dropped():
     """Freeing a deep structure must not overflow the stack of the interpreter either."""
     loaded = model("LINEAR", f"z = {'-' * (4 * DEPTH)}x;", "REAL z;")
     del loaded
+
+
+def test_choices_inside_choices():
+    depth = 500  # each one is a variable of its own
+    loaded = model("DA", "z = " + "{IF b THEN " * depth + "x" + "}" * depth + ";", "REAL z;")
+    assert loaded.dha.step([0.5, 1])[3][0] == 0.5
+    assert loaded.dha.step([0.5, 0])[3][0] == 0.0
+
+
+def test_casts_and_comparisons_inside_each_other():
+    depth = 500
+    loaded = model("LOGIC", "d = " + "((REAL " * depth + "b" + ") >= 1)" * depth + ";", "BOOL d;")
+    assert loaded.dha.step([0.5, 1])[2][0] == 1.0
+
+
+def test_chain_of_comparisons():
+    loaded = model("LOGIC", f"d = x{' <= x' * DEPTH};", "BOOL d;")
+    assert len(loaded.typed.items) == 3

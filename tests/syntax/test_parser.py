@@ -52,7 +52,7 @@ def tree(expression):
         ("(REAL a | b -> c)", "((REAL) (| a (-> b c)))"),
         # what only looks like an operator or keyword
         ("a<-b", "(<- a b)"),
-        ("a< -b", None),
+        ("a< -b", "(< a (-x b))"),
         ("TRUE & FALSE", "(& TRUE FALSE)"),
         ("TRUEx", "TRUEx"),
         ("sinus", "sinus"),
@@ -98,7 +98,7 @@ def test_comment_counts_as_space(comment):
     assert expression_text(tree(f"a{comment}&{comment}b")) == "(& a b)"
 
 
-@pytest.mark.parametrize("comment", ["/* a */ */", "*/", "/ * a */", "// a"])
+@pytest.mark.parametrize("comment", ["/* a */ */", "*/", "/ * a */", "/ / a"])
 def test_not_a_comment(comment):
     with pytest.raises(hys.CompileError):
         tree(f"a {comment} & b")

@@ -1,0 +1,1 @@
+"""Vectors, matrices, loops and modules to scalars: syntax tree to syntax tree."""
