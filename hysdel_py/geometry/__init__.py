@@ -1,0 +1,1 @@
+"""Polyhedra and the linear programs behind them; knows nothing of systems or of the language."""
