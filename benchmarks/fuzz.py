@@ -2,7 +2,7 @@
 
     python benchmarks/fuzz.py --inputs 20000 --seed 1
 
-Damage is of two kinds: of the grammar (tokens dropped, doubled, exchanged, taken from another model, whole phrases of the
+Damage is of two kinds: of the grammar (tokens dropped, doubled, exchanged, taken from another model, phrases of the
 newer parts of the language put between items) and of the bytes. One input in ten is a module of a sound model.
 Prints how the inputs ended; the exit status is 1 if any broke the rule. `--keep FOLDER` saves those.
 """
@@ -29,8 +29,8 @@ ROOT = Path(__file__).parents[1]
 TOKEN = re.compile(r"/\*.*?\*/|\s+|[A-Za-z_]\w*|[\d.]+(?:[eE][+-]?\d+)?|<->|->|<-|<=|>=|\|\||&&|.", re.DOTALL)
 KEYWORDS = """SYSTEM INTERFACE IMPLEMENTATION STATE INPUT OUTPUT PARAMETER AUX AD DA LOGIC LINEAR CONTINUOUS AUTOMATA
     MUST IF THEN ELSE REAL BOOL TRUE FALSE FOR INDEX MODULE sin log sqrt exp MLD_epsilon pi"""
-MARKS = """{ } ( ) [ ] ; , : . = + - * / ^ & | ~ -> <- <-> <= >= 0 1 2 -1 1e308 1e-320 1e999 /* */ // # % . _ < > == x u b i n
-    (1) (2) (i) (i+1) (1:2) (1,1) (3) (0) (n) [1;2] [1,2;3,4] x<=1 x==1 real Bool \u2212 \u00e9"""
+MARKS = """{ } ( ) [ ] ; , : . = + - * / ^ & | ~ -> <- <-> <= >= 0 1 2 -1 1e308 1e-320 1e999 /* */ // # % . _ < > == x u
+    b i n (1) (2) (i) (i+1) (1:2) (1,1) (3) (0) (n) [1;2] [1,2;3,4] x<=1 x==1 real Bool \u2212 \u00e9"""
 PHRASES = (
     "FOR (i = 1:2) { x(i) = x(i); }",
     "FOR (i = 1:n) { FOR (j = i:n) { z(i) = A(i, j)*x(j); } }",

@@ -3,9 +3,9 @@
     python benchmarks/scale.py [--tanks 1 2 5 10 20 50 100 200] [--style scalar vector] [--repeat 3] [--profile STAGE]
 
 Each model is written once with a name for every scalar and once with vectors and FOR. A row of the table is one model:
-CPU milliseconds of each stage (the least of the repeats), the sum, its ratio to the sum of the shipped clutch in the same
-run, and the growth exponent of the sum over rows against the model before. The ratio is what travels between machines.
-A second table holds the peak of traced memory of each stage in kilobytes, taken in a run of its own.
+CPU milliseconds of each stage (the least of the repeats), the sum, its ratio to the sum of the shipped clutch in the
+same run, and the growth exponent of the sum over rows against the model before. The ratio is what travels between
+machines. A second table holds the peak of traced memory of each stage in kilobytes, taken in a run of its own.
 """
 
 from __future__ import annotations
