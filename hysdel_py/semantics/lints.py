@@ -8,14 +8,14 @@ from collections import Counter
 from hysdel_py.diagnostics.codes import Code
 from hysdel_py.diagnostics.sink import Sink
 from hysdel_py.semantics.expressions import leaves
-from hysdel_py.semantics.symbols import EPSILON, Symbol
+from hysdel_py.semantics.symbols import BIG_M_BOUND, EPSILON, Symbol
 from hysdel_py.semantics.typed_model import Choice, Item, Threshold, Triple, TypedModel
 from hysdel_py.syntax.source import Span
 
 __all__ = ["note_unused_parameters"]
 
 _WORD = re.compile(r"[A-Za-z_]\w*")
-_READ_BY_TOOLS = frozenset({"ts", "Ts", "T_s", EPSILON})  # the sample time and the gap are read by name
+_READ_BY_TOOLS = frozenset({"ts", "Ts", "T_s", EPSILON, BIG_M_BOUND})  # these are read by their name
 
 
 def note_unused_parameters(model: TypedModel, sink: Sink) -> None:
