@@ -18,6 +18,7 @@ from hysdel_py.lowering.lints import lint
 from hysdel_py.lowering.mld import to_mld
 from hysdel_py.lowering.symbolic import to_symbolic_mld
 from hysdel_py.semantics.lints import note_unused_parameters
+from hysdel_py.semantics.mixed_logic import warn_of_mixed_logic
 from hysdel_py.semantics.parameters import bind_parameters, missing_parameters
 from hysdel_py.semantics.resolve import resolve
 from hysdel_py.semantics.typed_model import TypedModel
@@ -56,6 +57,8 @@ def analyse(
         sink.raise_errors(source)
     assert recovered.system is not None  # a failed parse has reported an error
     instances, source = load_modules(recovered.system, source, search_path, sink)
+    for system in {id(instance.system): instance.system for instance in instances}.values():
+        warn_of_mixed_logic(system, sink)
     scalar, flat = elaborate(instances, given, sink)
     model = resolve(scalar, source, sink)
     values = bind_parameters(model, flat, sink)

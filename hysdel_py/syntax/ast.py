@@ -9,6 +9,7 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from enum import Enum
 
+from hysdel_py.syntax.dialect import Dialect
 from hysdel_py.syntax.operators import Op
 from hysdel_py.syntax.source import Span
 
@@ -261,3 +262,4 @@ class System:
     sections: tuple[ItemSection, ...]
     span: Span = field(compare=False)
     modules: tuple[Module, ...] = ()
+    dialect: Dialect = Dialect.HYSDEL_2

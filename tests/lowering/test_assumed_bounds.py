@@ -29,7 +29,8 @@ def test_declared_ranges_win_then_definitions_then_the_parameter():
     found = ranges(hys.load(TEXT))
     assert found["x"] == (-1e3, 1e3)  # its update needs its own range
     assert found["z"] == (-2002, 2002)  # follows from its definition
-    assert found["w"] == (-7, 9) and found["u"] == (-2, 2)
+    assert found["w"] == (-7, 9)
+    assert found["u"] == (-2, 2)
     assert found["a"] == (-1e3, 1e3)  # defined in a circle with b
 
 
@@ -59,7 +60,7 @@ def test_without_the_parameter_the_error_says_that_it_would_help():
 
 @pytest.mark.parametrize("value", ["-1", "0", "1/0"])
 def test_it_must_be_positive_and_finite(value):
-    with pytest.raises(hys.CompileError, match="MLD_bigMbound is .*a positive finite number was expected"):
+    with pytest.raises(hys.CompileError, match=r"MLD_bigMbound is .*a positive finite number was expected"):
         hys.load(TEXT.replace("1e3", value))
     with pytest.raises(hys.CompileError, match="HYS207"):
         hys.load(TEXT, MLD_bigMbound=-1)
@@ -74,9 +75,7 @@ def test_it_must_be_real_and_needs_a_value():
 
 
 def test_it_stays_a_number_where_parameters_are_open():
-    model = hys.load(
-        TEXT.replace("REAL MLD_bigMbound = 1e3;", "REAL MLD_bigMbound = 1e3, k = 2;").replace("2*x", "k*x")
-    )
+    model = hys.load(TEXT.replace("bound = 1e3;", "bound = 1e3, k = 2;").replace("2*x", "k*x"))
     symbolic = hys.to_symbolic_mld(model, every=True)
     assert symbolic.parameters == ("k",)
     bound = symbolic.bind({"k": 2.0})
