@@ -46,7 +46,9 @@ class Ranges:
         self._tolerance = dha.tolerances.range
         self._default = dha.default_bound
         self._known: dict[str, Interval] = {
-            v.name: (v.low, v.high) for v in (*dha.x, *dha.u, *dha.d, *dha.z) if is_finite(v.low) or is_finite(v.high)
+            v.name: (v.low, v.high)
+            for v in (*dha.x, *dha.u, *dha.y, *dha.d, *dha.z)
+            if is_finite(v.low) or is_finite(v.high)
         }
 
     def of(self, form: Affine, limits: Interval | None, origin: Origin) -> Interval:

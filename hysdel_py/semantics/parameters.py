@@ -33,6 +33,8 @@ def bind_parameters(model: TypedModel, given: Mapping[str, object], sink: Sink) 
         if name not in values and symbol.value is not None and _known(symbol, values):
             values[name] = evaluate(symbol.value, values)
             _warn_of_nan(symbol, values[name], sink)
+    for symbol in parameters.values():
+        _check_bounds(symbol, values, sink)
     _check_epsilon(parameters, values, sink)
     _check_big_m_bound(parameters, values, sink)
     return values
@@ -45,7 +47,8 @@ def missing_parameters(model: TypedModel, values: Mapping[str, float]) -> tuple[
         needed.add(EPSILON)
     needed.add(BIG_M_BOUND)  # whether a range needs it is not known before the rows are made
     for symbol in model.symbols:
-        for expression in (*(symbol.bounds or ()), *((symbol.value,) if symbol.value else ())):
+        bounds = () if symbol.is_parameter else symbol.bounds or ()
+        for expression in (*bounds, *((symbol.value,) if symbol.value else ())):
             needed |= {leaf.name for leaf in leaves(expression)}
     return tuple(s for s in model.parameters if s.name in needed and s.name not in values and s.value is None)
 
@@ -110,6 +113,31 @@ def _warn_of_nan(symbol: Symbol, value: float, sink: Sink) -> None:
     """What is not a number does no harm as long as nothing uses it; where something does, that is an error."""
     if math.isnan(value):
         sink.warning(Code.NOT_A_NUMBER, f"the value of the parameter {symbol.name} is not a number", symbol.span)
+
+
+def _check_bounds(symbol: Symbol, values: Mapping[str, float], sink: Sink) -> None:
+    """A value outside of the declared bounds is an error; nothing is said where one of them is not known yet."""
+    if symbol.bounds is None or any(leaf.name not in values for bound in symbol.bounds for leaf in leaves(bound)):
+        return
+    low, high = (evaluate(bound, values) for bound in symbol.bounds)
+    if math.isnan(low) or math.isnan(high):
+        sink.error(Code.BAD_ARITHMETIC, f"a bound of the parameter {symbol.name} is not a number", symbol.span)
+        return
+    if low > high:
+        sink.warning(
+            Code.SWAPPED_BOUNDS,
+            f"the lower bound {low:g} of {symbol.name} lies above its upper bound {high:g}: they are swapped",
+            symbol.span,
+        )
+        low, high = high, low
+    value = values.get(symbol.name, math.nan)
+    if value < low or value > high:
+        sink.error(
+            Code.PARAMETER_VALUE,
+            f"the parameter {symbol.name} is {value:.12g}, outside of its bounds [{low:.12g}, {high:.12g}]",
+            symbol.span,
+            help="give a value within the bounds, or declare wider ones",
+        )
 
 
 def _check_epsilon(parameters: Mapping[str, Symbol], values: Mapping[str, float], sink: Sink) -> None:

@@ -55,7 +55,7 @@ class Symbol:
     line : int
         Of the declaration, 0 for a predefined parameter.
     bounds : pair of Expression, or None
-        Declared range of a variable.
+        Declared range of a variable, or of the values that a parameter may have.
     value : Expression or None
         Declared value of a parameter.
     unit, description : str

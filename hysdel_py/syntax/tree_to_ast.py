@@ -110,8 +110,9 @@ class TreeToAst(Transformer[Token, Any]):
 
     def parameter(self, parts: list[Any]) -> _Parts:
         size = next((part.fields for part in parts if isinstance(part, _Parts)), ())
-        value = next((part for part in _nodes(parts) if not isinstance(part, _Parts)), None)
-        return _Parts((str(parts[0]), None, value, _around(parts), _span(parts[0]), size), _around(parts))
+        interval = next((part for part in parts if isinstance(part, ast.Interval)), None)
+        value = next((part for part in _nodes(parts) if not isinstance(part, _Parts | ast.Interval)), None)
+        return _Parts((str(parts[0]), interval, value, _around(parts), _span(parts[0]), size), _around(parts))
 
     def interval(self, parts: list[Any]) -> ast.Interval:
         (low, high), *further = (pair.fields for pair in _nodes(parts))
