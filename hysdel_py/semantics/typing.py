@@ -75,7 +75,7 @@ class ExpressionTyper:
             case ast.Conditional():
                 known = [argument for argument in args if argument is not None]
                 return self._conditional(node, known) if len(known) == len(args) else None
-            case ast.Indexed() | ast.Matrix() | ast.Range():
+            case ast.Indexed() | ast.Matrix() | ast.Range() | ast.All():
                 raise AssertionError(node)  # elaboration leaves scalars
 
     def _name(self, name: str, span: Span) -> Expression | None:

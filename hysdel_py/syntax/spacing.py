@@ -127,7 +127,7 @@ def _spaced(before: Token | None, code: Token | None, token: Token, unary: bool,
         return False
     if before.is_comment or token.is_comment:
         return True
-    if token.kind is TokenKind.CLOSE or code.kind is TokenKind.OPEN or unary:
+    if token.kind in (TokenKind.CLOSE, TokenKind.POSTFIX) or code.kind is TokenKind.OPEN or unary:
         return False
     if TokenKind.OTHER in (code.kind, token.kind):
         return token.start > code.end

@@ -59,8 +59,8 @@ def expressions_in(system: ast.System) -> Iterator[ast.Expression]:
 
 def _of_item(item: ast.Item) -> tuple[ast.Expression, ...]:
     match item:
-        case ast.Loop(low=low, high=high):
-            return low, high
+        case ast.Loop(low=low, step=step, high=high):
+            return (low, high) if step is None else (low, step, high)
         case ast.Requirement(value=value):
             return (value,)
         case ast.Equation(value=value, triple=triple):
