@@ -4,6 +4,9 @@ import pytest
 
 import hysdel_py as hys
 from hysdel_py.diagnostics.codes import Code
+from hysdel_py.export.compiled import compile_model
+from hysdel_py.export.matlab import MatlabOptions, matlab_text
+from hysdel_py.lowering.constants import Constants
 
 TEXT = """SYSTEM s {
   INTERFACE {
@@ -62,3 +65,12 @@ def test_the_original_takes_neither():
     notes = [d.message for d in hys.load(TEXT, **FIT).diagnostics if d.code is Code.EXTENSION]
     assert "HYSDEL 2.0.5 takes no bounds on the real output y" in notes
     assert "HYSDEL 2.0.5 takes no bounds on the real parameter k" in notes
+
+
+def test_the_matlab_file_has_the_declared_ranges_of_outputs_only():
+    model = hys.load(TEXT, **FIT)
+    compiled, _ = compile_model(model.typed, model.parameters, Constants.AFFINE)
+    lines = [
+        line for line in matlab_text(compiled, MatlabOptions()).splitlines() if line.startswith(("S.yl(", "S.yu("))
+    ]
+    assert lines == ["S.yl(1) = 0;", "S.yu(1) = 9;", *(f"S.y{e}({k}) = {v};" for k in (3, 4) for e, v in ("l0", "u1"))]
