@@ -167,8 +167,8 @@ def _ranges(compiled: Compiled, style: NumberStyle) -> Iterator[str]:
 
 
 def _written_range(key: str, variable: Variable, known: Mapping[str, Range]) -> Range | None:
-    """Range that the original writes: none for outputs and generated names."""
-    if key == "y" or variable.generated:
+    """Range that the original writes: none for outputs and generated names; one that an output declares is written."""
+    if variable.generated or (key == "y" and variable.is_bool):
         return None
     return known.get(variable.name)
 
