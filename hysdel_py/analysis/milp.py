@@ -109,6 +109,10 @@ class Milp:
         """An independent copy, to which more can be added."""
         return Milp(self.low[:], self.high[:], self.integer[:], self.rows[:])
 
+    def matrix(self) -> tuple[Any, Vector, Vector]:
+        """Sparse matrix of the rows, scaled so that their greatest coefficient is 1, and both sides."""
+        return _matrix(self.rows, self.n)
+
     def search(
         self,
         objective: Terms | None = None,
