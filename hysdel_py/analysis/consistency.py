@@ -23,6 +23,9 @@ __all__ = ["Clock", "Consistency"]
 Vector = NDArray[np.float64]
 Set = frozenset[int]
 
+_NODES = 50
+"""Nodes of the search for a point around a consistent set; a poor one only costs more searches afterwards."""
+
 
 class Clock:
     """The time that a search may take."""
@@ -122,11 +125,15 @@ class Consistency:
         ]
         return Milp(low, high, horizon.problem.integer[:], rows)
 
-    def around(self, consistent: Set, universe: Set) -> Set:
-        """Elements of a universe outside a maximal consistent set around a consistent one."""
+    def around(self, consistent: Set, universe: Set, suspects: Set) -> Set:
+        """Elements of a universe outside a maximal consistent set around a consistent one.
+
+        Where the suspects are what contradicts the rest, one search is enough.
+        """
+        self._reach_out(consistent, universe - suspects)
         inside = self._enlarged(consistent)
         outside: set[int] = set()
-        waiting = [tuple(sorted(universe - inside))]
+        waiting = [tuple(sorted(suspects - inside)), tuple(sorted(universe - suspects - inside))]
         while waiting:
             chunk = tuple(e for e in waiting.pop() if e not in inside)
             if not chunk:
@@ -139,6 +146,22 @@ class Consistency:
                 half = len(chunk) // 2
                 waiting += [chunk[half:], chunk[:half]]
         return frozenset(outside)
+
+    def _reach_out(self, consistent: Set, wanted: Set) -> None:
+        """Look for a point at which a set holds and a wanted one is violated by little in sum, and so in few places."""
+        problem = self.problem(consistent)
+        costs: dict[int, float] = {}
+        for member in sorted(wanted - consistent):
+            for number in self.horizon.rows[member]:
+                row = self.horizon.problem.rows[number]
+                size = max((abs(c) for _, c in row.terms), default=1.0)
+                below, above = problem.real(0.0), problem.real(0.0)
+                problem.row({**dict(row.terms), below: size, above: -size}, row.low, row.high)
+                costs |= {below: 1.0, above: 1.0}
+        self.calls += 1
+        answer = problem.search(costs, seconds=self.clock.left, nodes=_NODES)
+        if answer.status is Status.FOUND:
+            self._known.consistent.append(consistent | self._check.satisfied(answer.w[: self.horizon.problem.n]))
 
     def _enlarged(self, consistent: Set) -> Set:
         """The largest known consistent set around one."""

@@ -138,7 +138,7 @@ def _contradiction(consistency: Consistency) -> Finding:
     known = _irreducible_members(consistency)
     found, proven = smallest(
         contradicts,
-        lambda members: consistency.around(members | ends, consistency.members),
+        lambda members: consistency.around(members | ends, consistency.members, known - members),
         known,
         lambda: consistency.clock.is_over,
     )
