@@ -62,7 +62,11 @@ def violated_demands(run: Trajectory, demands: Sequence[Demand], tolerance: floa
     for demand in demands:
         for k in demand.times:
             value = sum(c * run[f"{demand.vector}.{name}"][k] for name, c in demand.terms)
-            if not demand.low - _scaled(tolerance, demand.low) <= value <= demand.high + _scaled(tolerance, demand.high):
+            if (
+                not demand.low - _scaled(tolerance, demand.low)
+                <= value
+                <= demand.high + _scaled(tolerance, demand.high)
+            ):
                 found.append(f"step {k}: {demand.what} is not kept, the value is {value:.12g}")
     return tuple(found)
 

@@ -130,7 +130,8 @@ class Consistency:
 
         Where the suspects are what contradicts the rest, one search is enough.
         """
-        self._reach_out(consistent, universe - suspects)
+        if self.contradicts(consistent | (universe - suspects)):
+            self._reach_out(consistent, universe - suspects)
         inside = self._enlarged(consistent)
         outside: set[int] = set()
         waiting = [tuple(sorted(suspects - inside)), tuple(sorted(universe - suspects - inside))]

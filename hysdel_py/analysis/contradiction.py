@@ -124,9 +124,7 @@ def _run(dha: Dha, consistency: Consistency, demands: Sequence[Demand], answer: 
 
 
 def _unsettled(consistency: Consistency, message: str) -> Finding:
-    return Finding(
-        Verdict.NOT_SETTLED, message=message, calls=consistency.calls, seconds=consistency.clock.elapsed
-    )
+    return Finding(Verdict.NOT_SETTLED, message=message, calls=consistency.calls, seconds=consistency.clock.elapsed)
 
 
 def _contradiction(consistency: Consistency) -> Finding:
