@@ -255,7 +255,7 @@ class _Builder:
                 self._note_ends((variable,), step.values, k, derived=True)
 
     def horizon(self) -> Horizon:
-        order = sorted(self._members, key=lambda key: self._members[key].step)
+        order = sorted(self._members, key=lambda key: _when(self._members[key]))
         return Horizon(
             self._problem,
             tuple(self._steps),
@@ -265,6 +265,11 @@ class _Builder:
             tuple(tuple(self._rows[key]) for key in order),
             tuple(sorted(self._ends, key=lambda end: end.step)),
         )
+
+
+def _when(member: Member) -> tuple[int, bool]:
+    """By step, what is given first."""
+    return (member.step, member.kind not in (MemberKind.START, MemberKind.INPUT))
 
 
 def _key(member: Member) -> Key:

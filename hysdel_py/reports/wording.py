@@ -55,11 +55,7 @@ def _contradiction(
     yield f"{opening} keeps all ranges, MUST and limits"
     if finding.borderline:
         yield f"borderline: it would be enough if each gave by {finding.violation:.2g}"
-    yield (
-        f"these {len(parts)} contradict each other; {_WORTH[finding.verdict]}"
-        if len(parts) > 1
-        else ("this contradicts itself")
-    )
+    yield f"{_counted(finding)} contradict each other; {_WORTH[finding.verdict]}"
     starts = [part.text for part in parts if part.kind == MemberKind.START.value]
     if starts:
         yield from ("", f"x(0): {', '.join(starts)}")
@@ -78,9 +74,9 @@ def _contradiction(
 
 
 def _counted(finding: Finding) -> str:
-    """How many members there are, each at one step; the ranges come on top."""
-    count = len(finding.members)
-    ranges = f" and {len(finding.ends)} end{'s' * (len(finding.ends) > 1)} of ranges" if finding.ends else ""
+    """How many members there are, each at one step; ends of ranges come on top."""
+    count, ends = len(finding.members), len(finding.ends)
+    ranges = f" and {ends} end{'s' * (ends > 1)} of ranges" if ends else ""
     return f"{count} item{'s' * (count != 1)} or value{'s' * (count != 1)}, each at one step{ranges}"
 
 

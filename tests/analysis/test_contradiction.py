@@ -15,7 +15,7 @@ from hysdel_py.analysis.horizon import Demand, MemberKind, build_horizon
 from hysdel_py.analysis.milp import Status
 from hysdel_py.errors import CompileError
 
-MOST_SUBSETS = 250
+MOST_SUBSETS = 100
 
 
 def search(dha, steps, start, **options):
@@ -39,7 +39,7 @@ def assert_smallest(horizon, finding):
 
 
 @given(models(), st.floats(-2, 3.5), st.integers(0, 3))
-@settings(max_examples=40, deadline=None, suppress_health_check=list(HealthCheck))
+@settings(max_examples=12, deadline=None, suppress_health_check=list(HealthCheck))
 def test_random_models(text, value, word):
     assume("MUST" in text)
     try:
@@ -72,7 +72,7 @@ def test_requirement_against_threshold():
     horizon, finding = search(dha, 3, {"x": 7.0, "b": 0.0})
     assert texts(finding) == [(0, "x = 7"), (0, "d = x >= 5"), (0, "~d")]
     assert finding.ends == ()
-    assert_smallest(horizon, finding)
+    assert not any(contradicts(horizon, pair) for pair in combinations(range(len(horizon.members)), 2))
 
 
 def test_range_against_update():
@@ -108,10 +108,8 @@ def test_an_item_brings_no_range_of_what_it_reads():
         " CONTINUOUS { x = x; } AUTOMATA { b = d; } MUST { z >= 1.5; }"
     )
     _, finding = search(dha, 1, {"x": 9.0, "b": 0.0})
-    assert texts(finding) == [(0, "x = 9"), (0, "z = 0.1*x"), (0, "z >= 1.5")] or (
-        texts(finding) == [(0, "z = 0.1*x"), (0, "z >= 1.5")] and ends(finding) == [(0, "x", True, False)]
-    )
-    assert len(finding.members) == 2
+    assert texts(finding) == [(0, "z = 0.1*x"), (0, "z >= 1.5")]
+    assert ends(finding) == [(0, "x", True, False)]
 
 
 def test_algebraic_loop():
