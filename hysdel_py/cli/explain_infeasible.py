@@ -7,6 +7,7 @@ import argparse
 from hysdel_py.analysis.contradiction import Verdict
 from hysdel_py.cli.arguments import add_model, add_output, add_start, assignments, given_vector, load_model
 from hysdel_py.cli.mpc import limits_of
+from hysdel_py.cli.native import native_output_on_stderr
 from hysdel_py.cli.output import print_json
 from hysdel_py.control.limits import Limits
 from hysdel_py.model import Model
@@ -58,14 +59,12 @@ def add_parser(commands: argparse._SubParsersAction[argparse.ArgumentParser]) ->
 def run(options: argparse.Namespace) -> int:
     """Run the command; the exit status says whether there is a sequence of inputs."""
     model = load_model(options)
-    explanation = explain_infeasible(
-        model,
-        given_vector(options.x0, model.dha.x, "--x0", "state"),
-        options.horizon,
-        limits=_limits(model, options),
-        inputs=assignments(options.input, "--input"),
-        seconds=options.seconds,
-    )
+    start = given_vector(options.x0, model.dha.x, "--x0", "state")
+    limits, inputs = _limits(model, options), assignments(options.input, "--input")
+    with native_output_on_stderr():
+        explanation = explain_infeasible(
+            model, start, options.horizon, limits=limits, inputs=inputs, seconds=options.seconds
+        )
     if options.json:
         print_json(explanation.to_dict())
     else:

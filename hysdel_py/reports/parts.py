@@ -86,7 +86,7 @@ def _span(start: int, end: int) -> Span | None:
 def _text(member: Member) -> str:
     match member.kind:
         case MemberKind.START | MemberKind.INPUT:
-            return f"{member.name} = {member.value:.6g}"
+            return f"{member.name} = {member.value:.9g}"
         case MemberKind.LIMIT:
             return member.name
         case _:

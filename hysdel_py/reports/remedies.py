@@ -42,7 +42,7 @@ def _start(part: Member, repair: Repair) -> str:
     if repair.amount is Amount.ENTIRELY:
         return f"x(0): {part.name} = {1.0 - part.value:g} instead of {part.value:g}"
     value = outwards(part.value + repair.value, up=repair.value > 0)
-    return f"x(0): {part.name} = {value} instead of {part.value:.6g}"
+    return f"x(0): {part.name} = {value} instead of {part.value:.9g}"
 
 
 def _range(end: End, amount: float) -> str:

@@ -17,8 +17,8 @@ from hysdel_py.systems.trajectory import Trajectory
 __all__ = ["explanation_text"]
 
 _WORTH = {
-    Verdict.SMALLEST: "no smaller number does",
-    Verdict.IRREDUCIBLE: "none of them can be left out, but a smaller number may do",
+    Verdict.SMALLEST: "there is none with fewer members",
+    Verdict.IRREDUCIBLE: "no member can be left out, but there may be one with fewer",
     Verdict.NOT_SETTLED: "not settled, there may be more here than is needed",
 }
 
@@ -55,7 +55,7 @@ def _contradiction(
     yield f"{opening} keeps all ranges, MUST and limits"
     if finding.borderline:
         yield f"borderline: it would be enough if each gave by {finding.violation:.2g}"
-    yield f"{_counted(finding)} contradict each other; {_WORTH[finding.verdict]}"
+    yield f"{_counted(finding)}; {_WORTH[finding.verdict]}"
     starts = [part.text for part in parts if part.kind == MemberKind.START.value]
     if starts:
         yield from ("", f"x(0): {', '.join(starts)}")
@@ -76,8 +76,8 @@ def _contradiction(
 def _counted(finding: Finding) -> str:
     """How many members there are, each at one step; ends of ranges come on top."""
     count, ends = len(finding.members), len(finding.ends)
-    ranges = f" and {ends} end{'s' * (ends > 1)} of ranges" if ends else ""
-    return f"{count} item{'s' * (count != 1)} or value{'s' * (count != 1)}, each at one step{ranges}"
+    ranges = f", and {ends} end{'s' * (ends > 1)} of declared ranges" if ends else ""
+    return f"a contradiction of {count} member{'s' * (count != 1)}, each at one time{ranges}"
 
 
 def _place(part: Part, source: Source) -> list[str]:

@@ -1,5 +1,9 @@
 """``hysdel explain-infeasible``."""
 
+import os
+
+from hysdel_py.cli.native import native_output_on_stderr
+
 
 def test_exit_status_and_text(hysdel):
     found = hysdel("explain-infeasible", "tank.hys", "--x0", "9.5,0", "-N", 3, "--input", "flow=1,open=true")
@@ -30,3 +34,10 @@ def test_wrong_usage(hysdel):
     assert hysdel("explain-infeasible", "tank.hys", "--x0", "9.5", "-N", 2).status == 2
     assert hysdel("explain-infeasible", "tank.hys", "--x0", "9.5,0", "-N", 2, "--limit", "y").status == 2
     assert hysdel("explain-infeasible", "tank.hys", "--x0", "9.5,0", "-N", 0).status == 2
+
+
+def test_native_output_goes_to_the_error_stream(capfd):
+    with native_output_on_stderr():
+        os.write(1, b"from a library\n")
+    os.write(1, b"from the command\n")
+    assert tuple(capfd.readouterr()) == ("from the command\n", "from a library\n")
