@@ -33,6 +33,11 @@ class Clock:
     def __init__(self, seconds: float) -> None:
         self._begin = time.perf_counter()
         self._limit = seconds
+        self._held_back = 0.0
+
+    def hold_back(self, part: float) -> None:
+        """Keep a part of the whole time for later."""
+        self._held_back = part
 
     @property
     def elapsed(self) -> float:
@@ -42,7 +47,7 @@ class Clock:
     @property
     def left(self) -> float:
         """Seconds that are left, 0 at the end."""
-        return max(0.0, self._limit - self.elapsed)
+        return max(0.0, self._limit * (1.0 - self._held_back) - self.elapsed)
 
     @property
     def is_over(self) -> bool:
@@ -126,7 +131,7 @@ class Consistency:
         return Milp(low, high, horizon.problem.integer[:], rows)
 
     def around(self, consistent: Set, universe: Set, suspects: Set) -> Set:
-        """Elements of a universe outside a maximal consistent set around a consistent one.
+        """Elements of a universe outside a maximal consistent set around a consistent one, if time allows.
 
         Where the suspects are what contradicts the rest, one search is enough.
         """
@@ -139,6 +144,8 @@ class Consistency:
             chunk = tuple(e for e in waiting.pop() if e not in inside)
             if not chunk:
                 continue
+            if self.clock.is_over:  # what is outside a smaller consistent set will do as well
+                return universe - inside
             if not self.contradicts(inside | set(chunk)):
                 inside = self._enlarged(inside | set(chunk))
             elif len(chunk) == 1:

@@ -21,6 +21,9 @@ __all__ = ["Finding", "Verdict", "find_contradiction"]
 
 Set = frozenset[int]
 
+_HELD_BACK = 0.4
+"""Part of the time that the search for a smaller set must leave for ranges and repairs."""
+
 
 class Verdict(Enum):
     """What was found."""
@@ -134,31 +137,41 @@ def _contradiction(consistency: Consistency) -> Finding:
         return consistency.contradicts(members | ends)
 
     known = _irreducible_members(consistency)
+    settled = not consistency.doubtful
+    consistency.clock.hold_back(_HELD_BACK)
     found, proven = smallest(
         contradicts,
         lambda members: consistency.around(members | ends, consistency.members, known - members),
         known,
         lambda: consistency.clock.is_over,
     )
+    verdict = _verdict(settled and (not consistency.doubtful or found == known), proven and not consistency.doubtful)
+    consistency.clock.hold_back(0.0)
     needed = _needed_ends(consistency, found)
     members = tuple(horizon.members[i] for i in sorted(found))
     violation = least_common_violation(consistency)
     repairs = find_repairs(consistency, (*members, *needed))
     return Finding(
-        _verdict(consistency, proven),
+        verdict,
         members,
         needed,
         repairs,
         violation,
         violation <= consistency.tolerances.borderline,
-        message="the time limit ended the search" if consistency.clock.is_over else "",
+        message=_time_is_up(consistency, verdict),
         calls=consistency.calls,
         seconds=consistency.clock.elapsed,
     )
 
 
-def _verdict(consistency: Consistency, proven: bool) -> Verdict:
-    if consistency.doubtful:
+def _time_is_up(consistency: Consistency, verdict: Verdict) -> str:
+    if consistency.clock.is_over:
+        return "the time limit ended the search; ranges and remedies may be missing"
+    return "" if verdict is Verdict.SMALLEST else "the time limit ended the search for a smaller set"
+
+
+def _verdict(settled: bool, proven: bool) -> Verdict:
+    if not settled:
         return Verdict.NOT_SETTLED
     return Verdict.SMALLEST if proven else Verdict.IRREDUCIBLE
 
@@ -172,9 +185,12 @@ def _irreducible_members(consistency: Consistency) -> Set:
 
 
 def _needed_ends(consistency: Consistency, members: Set) -> tuple[End, ...]:
-    """Ends of ranges without which the members would not contradict each other; declared ones are preferred."""
+    """Ends of ranges without which the members would not contradict each other; declared ones are preferred.
+
+    There are none where the time is over before they are known.
+    """
     first = len(consistency.horizon.members)
     ends = consistency.horizon.ends
     order = sorted(consistency.ends, key=lambda number: ends[number - first].derived)
     needed = irreducible(consistency.contradicts, members, order)
-    return tuple(ends[number - first] for number in sorted(needed))
+    return () if consistency.clock.is_over else tuple(ends[number - first] for number in sorted(needed))

@@ -158,3 +158,13 @@ def test_time_limit_is_said():
     finding = find_contradiction(dha, horizon, seconds=1e-9)
     assert finding.verdict is Verdict.NOT_SETTLED
     assert finding.message
+
+
+def test_time_limit_of_the_search_for_a_smaller_set(monkeypatch):
+    dha = model("CONTINUOUS { x = x + 2 + u; } AUTOMATA { b = b; }")
+    monkeypatch.setattr("hysdel_py.analysis.contradiction._HELD_BACK", 1.0)
+    finding = find_contradiction(dha, build_horizon(dha, 5, {"x": 5.0, "b": 0.0}), seconds=60.0)
+    assert finding.verdict is Verdict.IRREDUCIBLE
+    assert len(finding.members) == 4
+    assert finding.ends
+    assert "smaller set" in finding.message
