@@ -76,15 +76,16 @@ def _scaled(tolerance: float, end: float) -> float:
 
 
 def moved_inside(problem: Milp, w: Vector, tolerances: SearchTolerances) -> Vector:
-    """A point with the same Booleans, as far from all inequalities as possible up to a margin; w if there is none."""
+    """A point with the same Booleans, as far inside each inequality as a margin allows; w if there is none."""
     fixed = problem.copy()
     for variable, is_integer in enumerate(problem.integer):
         if is_integer:
             fixed.low[variable] = fixed.high[variable] = float(round(w[variable]))
-    margin = fixed.real(0.0, tolerances.margin)
+    margins: dict[int, float] = {}
     for number, row in enumerate(problem.rows):
-        if row.low < row.high:
-            sign = 1.0 if row.low == -inf else -1.0
-            fixed.rows[number] = replace(row, terms=(*row.terms, (margin, sign)))
-    answer = fixed.search({margin: -1.0}, relaxed=True)
+        if row.low < row.high:  # a margin of its own, since others may have to be zero
+            margin = fixed.real(0.0, tolerances.margin)
+            margins[margin] = -1.0
+            fixed.rows[number] = replace(row, terms=(*row.terms, (margin, 1.0 if row.low == -inf else -1.0)))
+    answer = fixed.search(margins, relaxed=True)
     return answer.w[: problem.n] if answer.status is Status.FOUND else w

@@ -48,6 +48,10 @@ def test_random_models(text, value, word):
         assume(False)
     start = {v.name: float(word >> i & 1) if v.is_bool else round(value, 2) for i, v in enumerate(dha.x)}
     horizon, finding = search(dha, 1, start)
+    if finding.verdict is Verdict.NOT_SETTLED:
+        # The point of the solver may stand on the wrong side of a threshold by its tolerance, and that is then said.
+        assert "the simulator does not confirm" in finding.message
+        return
     assert finding.verdict in (Verdict.FEASIBLE, Verdict.SMALLEST)
     if finding.verdict is Verdict.SMALLEST:
         assert_smallest(horizon, finding)
