@@ -139,9 +139,7 @@ def build_horizon(
 
     Parameters
     ----------
-    dha : Dha
-    steps : int
-        N >= 1.
+    dha, steps : Dha, int
     start : mapping of name to number
         The first state.
     inputs : mapping of name to N numbers, optional
