@@ -16,6 +16,8 @@ if TYPE_CHECKING:
     from hysdel_py.errors import ArgumentError, CompileError, HysdelError, SimulationError
     from hysdel_py.export.reading import read_json
     from hysdel_py.model import Model, load, to_dha, to_mld, to_symbolic_mld
+    from hysdel_py.reports.explain_infeasible import explain_infeasible
+    from hysdel_py.reports.explanation import Explanation
     from hysdel_py.shipped import shipped_models
     from hysdel_py.systems.dha import Dha
     from hysdel_py.systems.mld import Mld
@@ -23,9 +25,9 @@ if TYPE_CHECKING:
     from hysdel_py.systems.trajectory import Trajectory
 
 __all__ = [
-    "ArgumentError", "CompileError", "Cost", "Dha", "HybridMpc", "HysdelError", "Limits", "Mld", "Model", "Move",
-    "MoveStatus", "SimulationError", "Trajectory", "__version__", "closed_loop", "load", "read_json", "shipped_models",
-    "simulate", "to_dha", "to_mld", "to_symbolic_mld",
+    "ArgumentError", "CompileError", "Cost", "Dha", "Explanation", "HybridMpc", "HysdelError", "Limits", "Mld",
+    "Model", "Move", "MoveStatus", "SimulationError", "Trajectory", "__version__", "closed_loop",
+    "explain_infeasible", "load", "read_json", "shipped_models", "simulate", "to_dha", "to_mld", "to_symbolic_mld",
 ]  # fmt: skip
 
 _HOME = {
@@ -36,6 +38,7 @@ _HOME = {
     "simulate": "systems.simulation", "Cost": "control.costs", "Limits": "control.limits",
     "HybridMpc": "control.hybrid_mpc", "Move": "control.hybrid_mpc", "MoveStatus": "control.hybrid_mpc",
     "closed_loop": "control.closed_loop",
+    "explain_infeasible": "reports.explain_infeasible", "Explanation": "reports.explanation",
 }  # fmt: skip
 
 
