@@ -28,9 +28,9 @@ import hysdel_py as hys
 ROOT = Path(__file__).parents[1]
 TOKEN = re.compile(r"/\*.*?\*/|\s+|[A-Za-z_]\w*|[\d.]+(?:[eE][+-]?\d+)?|<->|->|<-|<=|>=|\|\||&&|.", re.DOTALL)
 KEYWORDS = """SYSTEM INTERFACE IMPLEMENTATION STATE INPUT OUTPUT PARAMETER AUX AD DA LOGIC LINEAR CONTINUOUS AUTOMATA
-    MUST IF THEN ELSE REAL BOOL TRUE FALSE FOR INDEX MODULE sin log sqrt exp MLD_epsilon pi"""
+    MUST IF THEN ELSE REAL BOOL TRUE FALSE FOR INDEX MODULE sin log sqrt exp MLD_epsilon pi MLD_bigMbound"""
 MARKS = """{ } ( ) [ ] ; , : . = + - * / ^ & | ~ -> <- <-> <= >= 0 1 2 -1 1e308 1e-320 1e999 /* */ // # % . _ < > == x u
-    b i n (1) (2) (i) (i+1) (1:2) (1,1) (3) (0) (n) [1;2] [1,2;3,4] x<=1 x==1 real Bool \u2212 \u00e9"""
+    b i n (1) (2) (i) (i+1) (1:2) (1,1) (3) (0) (n) (:) (1,:) (1:2:n) ' [1;2] [1,2;3,4] x<=1 x==1 real Bool \u2212 \u00e9"""
 PHRASES = (
     "FOR (i = 1:2) { x(i) = x(i); }",
     "FOR (i = 1:n) { FOR (j = i:n) { z(i) = A(i, j)*x(j); } }",
@@ -50,6 +50,13 @@ PHRASES = (
     "x == u + 1;",
     "b -> x >= 0 & u < 1;",
     "y = (REAL x <= 1)*2 + (REAL 0 <= x <= 1);",
+    "// dialect: hysdel 3\n",
+    "/* dialect: hysdel 2 */",
+    "REAL k [0, 2] = 1;",
+    "REAL A(2,2) [0, 1; 0, 1; 0, 1; 0, 1];",
+    "REAL MLD_bigMbound = 1e4;",
+    "y = x(:)'*A'*x;",
+    "FOR (i = n:-1:1) { x(i) = x(1:2:i)'*x(2:-1:1); }",
 )
 """Of vectors, loops, modules, choices in choices and comparisons in logic; they fit the names of some seeds."""
 WHOLE = """SYSTEM whole {
