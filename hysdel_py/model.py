@@ -70,7 +70,7 @@ class Model:
 
     @cached_property
     def _lowered_to_mld(self) -> tuple[Mld, tuple[Diagnostic, ...]]:
-        return compiler.lower_to_mld(self.typed, self.dha, BigM.INTERVAL)
+        return compiler.lower_to_mld(self.typed, self.dha, BigM.LP)
 
     @property
     def mld(self) -> Mld:
@@ -161,13 +161,14 @@ def to_dha(model: Model, *, constants: str = "affine") -> Dha:
     return compiler.lower_to_dha(model.typed, model.parameters, _option(Constants, constants, "constants"))[0]
 
 
-def to_mld(model: Model, *, big_m: str = "interval", constants: str = "affine") -> Mld:
+def to_mld(model: Model, *, big_m: str = "lp", constants: str = "affine") -> Mld:
     """Lower a model to the MLD form with options.
 
     Parameters
     ----------
-    big_m : {"interval"}
-        Rule for the big-M constants: interval arithmetic over the declared ranges, as the original compiler does.
+    big_m : {"interval", "lp"}
+        Rule for the big-M constants: interval arithmetic over the declared ranges, as the original compiler does, or
+        the least that linear programs over the rows of the model prove (``docs/tight-models.md``).
     constants : {"affine", "aux", "forbid"}
         Constant terms of updates and outputs go to B5 and D5, to auxiliaries, or are errors.
     """

@@ -44,7 +44,9 @@ def add_parser(commands: argparse._SubParsersAction[argparse.ArgumentParser]) ->
     parser.add_argument(
         "-o", "--output", metavar="PATH", help=f"write a file ({', '.join(FORMATS)}) instead of the listing"
     )
-    parser.add_argument("--big-m", choices=["interval"], default="interval", help="rule for the big-M constants")
+    parser.add_argument("--big-m", choices=["lp", "interval"], default="lp",
+        help="rule for the big-M constants: linear programs (default), or interval arithmetic as HYSDEL 2.0.5",
+    )  # fmt: skip
     parser.add_argument(
         "--constants",
         choices=["affine", "aux", "forbid"],

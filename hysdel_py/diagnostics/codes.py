@@ -65,6 +65,7 @@ class Code(Enum):
     MISSING_BOUNDS = "HYS528"
     LOOSE_BOUNDS = "HYS529"
     NOT_A_NUMBER = "HYS530"
+    DEAD_BRANCH = "HYS540"
     # what HYSDEL 2.0.5 would refuse or get wrong
     EXTENSION = "HYS901"
     # vectors, loops and modules
