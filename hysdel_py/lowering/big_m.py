@@ -63,7 +63,7 @@ class SwitchConstants:
     @property
     def bounds(self) -> tuple[float, float, float, float]:
         """What each row allows when it is switched off."""
-        return self.c1, self.c2, -self.c3, -self.c4
+        return self.c1, self.c2, 0.0 - self.c3, 0.0 - self.c4
 
 
 class Rule(Protocol):

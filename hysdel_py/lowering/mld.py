@@ -30,7 +30,7 @@ from hysdel_py.systems.signals import Variable
 if TYPE_CHECKING:
     from scipy.sparse import csr_array
 
-__all__ = ["MAX_DENSE_ENTRIES", "equation", "to_mld", "with_ranges"]
+__all__ = ["MAX_DENSE_ENTRIES", "assemble", "equation", "to_mld", "with_ranges"]
 
 MAX_DENSE_ENTRIES = 50_000_000
 """Largest number of entries of the dense update and output matrices together (400 MB)."""
@@ -57,7 +57,12 @@ def to_mld(
             f"than {MAX_DENSE_ENTRIES} entries",
         )
         return None
-    rule = _rule(dha, big_m, sink, declared)
+    ranges = Ranges(dha, sink, declared)
+    return assemble(dha, ranges if big_m is BigM.INTERVAL else tighten(dha, ranges, sink), sink)
+
+
+def assemble(dha: Dha, rule: Rule, sink: Sink) -> Mld:
+    """Rows with the constants of a rule, and the matrices; meaningful only if the sink has not failed."""
     rows = [row for item in dha.items for row in item_rows(item, rule, sink)]
     A, B1, B2, B3, B5, updates = _equations(dha, dha.x, "state")
     C, D1, D2, D3, D5, outputs = _equations(dha, dha.y, "output")
@@ -73,11 +78,6 @@ def to_mld(
         source=dha.source,
         tolerances=dha.tolerances,
     )  # fmt: skip
-
-
-def _rule(dha: Dha, big_m: BigM, sink: Sink, declared: Mapping[str, Span] | None) -> Rule:
-    ranges = Ranges(dha, sink, declared)
-    return ranges if big_m is BigM.INTERVAL else tighten(dha, ranges, sink)
 
 
 def with_ranges(group: tuple[Variable, ...], rule: Rule) -> tuple[Variable, ...]:

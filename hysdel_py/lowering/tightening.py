@@ -139,8 +139,9 @@ class _Tightening:
             return old
         if never_off or never_on:
             self._decide(event.name, 1.0 if never_off else 0.0, event)
-        high = self._least(old.high, min(off.bound, 0.0) if never_off else off.bound)
-        return EventConstants(-self._least(-old.low, min(on.bound, -event.epsilon) if never_on else on.bound), high)
+        high = self._least(old.high, _held(off, 0.0) if never_off else off.bound)
+        low = -self._least(-old.low, _held(on, -event.epsilon) if never_on else on.bound)
+        return EventConstants(low, high)
 
     def _switch(self, switch: Switch) -> SwitchConstants:
         old = self._constants[switch.name]
@@ -156,8 +157,8 @@ class _Tightening:
             self._decide(s, 1.0 - dead[0], switch)
         live = [(form, {s: value}) for form, value in ((f1, 1.0), (f2, 0.0)) if value not in dead]
         self._narrow(z, [self._span(form, fixed, z) for form, fixed in live])
-        bounds = [min(g.bound, 0.0) if value in dead else g.bound for g, (_, value) in zip(found, forms, strict=True)]
-        c1, c2, b3, b4 = (self._least(o, new) for o, new in zip(old.bounds, map(_above, bounds, old.bounds), strict=True))
+        bounds = [_held(g, 0.0) if value in dead else g.bound for g, (_, value) in zip(found, forms, strict=True)]
+        c1, c2, b3, b4 = (self._least(before, bound) for before, bound in zip(old.bounds, bounds, strict=True))
         return SwitchConstants(c1, c2, -b3 + 0.0, -b4 + 0.0)
 
     def _greatest(self, form: Affine, fixed: Mapping[str, float], without: str) -> Greatest:
@@ -205,9 +206,9 @@ class _Tightening:
         return (low, high) if low <= high else old
 
 
-def _above(bound: float, old: float) -> float:
-    """A bound as it is; the old one where nothing is proven."""
-    return bound if bound > -math.inf else min(old, 0.0)
+def _held(found: Greatest, most: float) -> float:
+    """Constant of a row that is never switched off: any does, so one with which the row holds outright."""
+    return most if found.empty else min(found.bound, most)
 
 
 def _boxes(dha: Dha, ranges: Ranges) -> dict[str, Interval]:
