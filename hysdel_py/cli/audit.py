@@ -62,7 +62,8 @@ def _lines(report: Audit, most: int) -> Iterator[str]:
     if report.rows[:most]:
         yield f"{'row':>4} {'interval':>10} {'lp':>10} {'loose':>7} {'condition':>9}  where it comes from"
     for row in report.rows[:most]:
-        yield f"{row.index:>4} {row.interval:>10.5g} {row.lp:>10.5g} {row.looseness:>7.3g} {row.condition:>9.3g}  {row.origin}"
+        numbers = f"{row.interval:>10.5g} {row.lp:>10.5g} {row.looseness:>7.3g} {row.condition:>9.3g}"
+        yield f"{row.index:>4} {numbers}  {row.origin}"
         if row.advice:
             yield f"{'':>46}{row.advice}"
     if len(report.rows) > most:
@@ -77,9 +78,11 @@ def _findings(report: Audit) -> Iterator[str]:
             f"finest threshold: epsilon {finest.epsilon:g} beside a coefficient of {finest.largest:.4g} in {finest.origin}"
         )
     for scaling in report.scalings:
-        if scaling.largest > _WORST_SCALED * scaling.smallest:
-            v = scaling.variable
+        v = scaling.variable
+        if not v.is_bool and scaling.largest > _WORST_SCALED * scaling.smallest:
             yield f"coefficients of {v.name} lie between {scaling.smallest:.3g} and {scaling.largest:.3g}: scale it"
+    if report.rows:
+        yield "help: a tighter declared range of the variable named makes the constant of its row smaller"
     for name, kept in report.merged.items():
         yield f"{name} equals {kept}: share=True merges them"
     for removed in report.redundant:
@@ -91,9 +94,7 @@ def _data(report: Audit) -> dict[str, Any]:
         "name": report.name,
         "summary": report.summary,
         "rows": [_row(row) for row in report.rows],
-        "scalings": [
-            {"name": s.variable.name, "largest": s.largest, "smallest": s.smallest} for s in report.scalings
-        ],
+        "scalings": [{"name": s.variable.name, "largest": s.largest, "smallest": s.smallest} for s in report.scalings],
         "decided": [{"code": found.code.value, "message": found.message} for found in report.decided],
         "merged": dict(report.merged),
         "redundant": [removed.index for removed in report.redundant],
@@ -113,7 +114,14 @@ def _row(row: AuditRow) -> dict[str, Any]:
         "condition": row.condition,
         "epsilon": row.epsilon,
         "sources": [
-            {"name": s.variable.name, "line": s.variable.line, "low": s.variable.low, "high": s.variable.high, "size": s.size}
+            {
+                "name": s.variable.name,
+                "size": s.size,
+                "declared": s.declared.name,
+                "line": s.declared.line,
+                "low": s.declared.low,
+                "high": s.declared.high,
+            }
             for s in row.sources
         ],
         "advice": row.advice,

@@ -17,7 +17,7 @@ from hysdel_py.lowering.redundancy import RemovedRow, remove_redundant_rows
 from hysdel_py.lowering.sharing import share
 from hysdel_py.lowering.tightening import tighten
 from hysdel_py.systems.affine import Affine
-from hysdel_py.systems.dha import Dha, Event, Switch
+from hysdel_py.systems.dha import AffineEquation, Dha, Event, Switch
 from hysdel_py.systems.mld import Mld
 from hysdel_py.systems.origin import RowOrigin
 from hysdel_py.systems.signals import Variable
@@ -29,10 +29,21 @@ _DECIDED = (Code.NEVER_SWITCHES, Code.DEAD_BRANCH)
 
 @dataclass(frozen=True, slots=True)
 class Contribution:
-    """What the range of one variable adds to a constant: `size` is its coefficient times the width of its range."""
+    """What the range of one variable adds to a constant.
+
+    Attributes
+    ----------
+    variable : Variable
+        A variable of the form, with the range that counts.
+    size : float
+        Its coefficient times the width of that range.
+    declared : Variable
+        The variable itself, or the one with a declared range that makes it as wide as it is.
+    """
 
     variable: Variable
     size: float
+    declared: Variable
 
 
 @dataclass(frozen=True, slots=True)
@@ -87,9 +98,12 @@ class AuditRow:
         if not total:
             return ""
         first = self.sources[0]
-        v = first.variable
-        share = f"{first.size:.4g} of {total:.4g} comes from the range [{v.low:g}, {v.high:g}] of {v.name}"
-        return f"{share} (line {v.line})" if v.line else share
+        v = first.declared
+        line = f", line {v.line}" if v.line else ""
+        through = "" if v is first.variable else f" through {first.variable.name}"
+        return (
+            f"{first.size:.4g} of {total:.4g} comes{through} from the range [{v.low:g}, {v.high:g}] of {v.name}{line}"
+        )
 
 
 @dataclass(frozen=True, slots=True)
@@ -141,8 +155,8 @@ class Audit:
         """The audit in one sentence."""
         largest = max((row.lp for row in self.rows), default=0.0)
         return (
-            f"{len(self.rows)} big-M constants, {self.tighter} smaller by linear programs than by intervals; the largest is "
-            f"{largest:.6g}; {len(self.merged)} generated Booleans could be shared, {len(self.redundant)} rows left out"
+            f"{len(self.rows)} big-M constants, {self.tighter} of them smaller by linear programs than by intervals; "
+            f"the largest is {largest:.6g}; {len(self.merged)} generated Booleans could be shared, {len(self.redundant)} rows left out"
         )
 
 
@@ -171,7 +185,7 @@ def audit_dha(dha: Dha, diagnostics: Iterable[Diagnostic] = ()) -> Audit:
 
 
 def _audit_rows(dha: Dha, mld: Mld, ranges: Rule, tight: Rule) -> Iterator[AuditRow]:
-    variables = {v.name: v for v in (*mld.x, *mld.u, *mld.d, *mld.z)}
+    origins = _Origins(dha, mld)
     coefficients = _coefficients(mld)
     for index, origin in enumerate(mld.rows):
         item = dha.definitions.get(origin.defines)
@@ -186,7 +200,7 @@ def _audit_rows(dha: Dha, mld: Mld, ranges: Rule, tight: Rule) -> Iterator[Audit
             float(sizes.max(initial=0.0)),
             float(sizes.min(initial=np.inf)) if sizes.size else 0.0,
             item.epsilon if isinstance(item, Event) else None,
-            _sources(_form(item), variables),
+            origins.of(_form(item)),
         )
 
 
@@ -203,9 +217,41 @@ def _form(item: Event | Switch) -> Affine:
     return item.form if isinstance(item, Event) else item.then - item.otherwise
 
 
-def _sources(form: Affine, variables: Mapping[str, Variable]) -> tuple[Contribution, ...]:
-    found = [Contribution(variables[n], abs(c) * (variables[n].high - variables[n].low)) for n, c in form.terms if c]
-    return tuple(sorted(found, key=lambda source: (-source.size, source.variable.name)))
+class _Origins:
+    """Which declared ranges a form owes its own range to."""
+
+    def __init__(self, dha: Dha, mld: Mld) -> None:
+        self._dha = dha
+        self._variables = {v.name: v for v in (*mld.x, *mld.u, *mld.d, *mld.z)}
+        self._undeclared = {v.name for v in (*dha.x, *dha.z) if not math.isfinite(v.high - v.low)}
+
+    def of(self, form: Affine) -> tuple[Contribution, ...]:
+        """Contributions of the variables of a form, the greatest first."""
+        found = [Contribution(self._variables[n], self._width(n, c), self._declared(n)) for n, c in form.terms if c]
+        return tuple(sorted(found, key=lambda source: (-source.size, source.variable.name)))
+
+    def _width(self, name: str, coefficient: float) -> float:
+        return abs(coefficient) * (self._variables[name].high - self._variables[name].low)
+
+    def _declared(self, name: str) -> Variable:
+        """Follow the widest term of each definition until a range is declared."""
+        seen = {name}
+        while name in self._undeclared:
+            terms = [(n, c) for form in self._forms(name) for n, c in form.terms if c and n not in seen]
+            if not terms:
+                break
+            name = max(terms, key=lambda term: self._width(*term))[0]
+            seen.add(name)
+        return self._variables[name]
+
+    def _forms(self, name: str) -> tuple[Affine, ...]:
+        match self._dha.definitions.get(name):
+            case Switch(then=then, otherwise=otherwise):
+                return then, otherwise
+            case AffineEquation(value=value):
+                return (value,)
+            case _:
+                return ()
 
 
 def _coefficients(mld: Mld) -> list[np.ndarray[tuple[int], np.dtype[np.float64]]]:
@@ -222,7 +268,8 @@ def _scalings(mld: Mld) -> Iterator[Scaling]:
 
     matrix = csc_array(hstack([mld.E2, mld.E3, mld.E1, mld.E4]))
     matrix.eliminate_zeros()
-    for variable, column in zip((*mld.d, *mld.z, *mld.u, *mld.x), np.split(matrix.data, matrix.indptr[1:-1]), strict=True):
+    columns = np.split(matrix.data, matrix.indptr[1:-1])
+    for variable, column in zip((*mld.d, *mld.z, *mld.u, *mld.x), columns, strict=True):
         if column.size:
             sizes = np.abs(column)
             yield Scaling(variable, float(sizes.max()), float(sizes.min()))

@@ -63,8 +63,10 @@ def _drop_repetitions(sink: Sink) -> None:
 
     def explained(found: Diagnostic) -> bool:
         span = found.span
-        return found.code is Code.DEAD_BRANCH and span is not None and any(
-            span.start <= inner.start and inner.end <= span.end for inner in conditions
+        return (
+            found.code is Code.DEAD_BRANCH
+            and span is not None
+            and any(span.start <= inner.start and inner.end <= span.end for inner in conditions)
         )
 
     sink.forget(explained)

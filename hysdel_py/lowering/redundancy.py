@@ -71,9 +71,7 @@ class _Rows:
         matrix.eliminate_zeros()
         self._b = mld.E5
         self._auxiliaries = mld.nd + mld.nz
-        self._entries = [
-            (matrix.indices[start:end], matrix.data[start:end]) for start, end in pairwise(matrix.indptr)
-        ]
+        self._entries = [(matrix.indices[start:end], matrix.data[start:end]) for start, end in pairwise(matrix.indptr)]
         self._lb, self._ub = _ends(mld)
         self._there = set(range(mld.ne))
         self._using: dict[int, list[int]] = {}

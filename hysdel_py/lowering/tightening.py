@@ -95,12 +95,10 @@ def _in_order(dha: Dha) -> list[DhaItem]:
 class _Tightening:
     """The constants while they are computed, and the relaxation that follows them."""
 
-    def __init__(
-        self, dha: Dha, ranges: Ranges, constants: dict[str, Constants], sink: Sink, effort: Effort
-    ) -> None:
-        self.result = Tightened(constants, narrowed := {}, ranges, 0)
+    def __init__(self, dha: Dha, ranges: Ranges, constants: dict[str, Constants], sink: Sink, effort: Effort) -> None:
         self._constants = constants
-        self._narrowed: dict[str, Interval] = narrowed
+        self._narrowed: dict[str, Interval] = {}
+        self.result = Tightened(constants, self._narrowed, ranges, 0)
         self._sink = sink
         self._effort = effort
         self._row_tolerance = dha.tolerances.row

@@ -182,9 +182,8 @@ def shrunk(mld, row, share=0.99):
     column = int(np.argmax(abs(mld.E2.toarray()[row])))
     change = (1 - share) * E2[row, column]
     E2[row, column] -= change
-    if E5[row] and mld.rows[row].subindex in (1, 2) and mld.rows[row].item == "DA":
-        E5[row] -= change
-    elif mld.rows[row].item == "AD" and mld.rows[row].subindex == 2:
+    kind, number = mld.rows[row].item, mld.rows[row].subindex
+    if (kind, number) in {("DA", 1), ("DA", 2), ("AD", 2)}:
         E5[row] -= change
     return replace(mld, E2=E2.tocsr(), E5=E5)
 
