@@ -24,13 +24,14 @@ if TYPE_CHECKING:
 
 __all__ = [
     "ArgumentError", "CompileError", "Cost", "Dha", "HybridMpc", "HysdelError", "Limits", "Mld", "Model", "Move",
-    "MoveStatus", "SimulationError", "Trajectory", "__version__", "audit", "closed_loop", "load", "read_json", "shipped_models",
-    "simulate", "to_dha", "to_mld", "to_symbolic_mld",
+    "MoveStatus", "SimulationError", "Trajectory", "__version__", "audit", "closed_loop", "load", "read_json",
+    "shipped_models", "simulate", "to_dha", "to_mld", "to_symbolic_mld",
 ]  # fmt: skip
 
 _HOME = {
     "ArgumentError": "errors", "CompileError": "errors", "HysdelError": "errors", "SimulationError": "errors",
-    "Model": "model", "audit": "model", "load": "model", "to_dha": "model", "to_mld": "model", "to_symbolic_mld": "model",
+    "Model": "model", "audit": "model", "load": "model",
+    "to_dha": "model", "to_mld": "model", "to_symbolic_mld": "model",
     "read_json": "export.reading", "shipped_models": "shipped",
     "Dha": "systems.dha", "Mld": "systems.mld", "Trajectory": "systems.trajectory",
     "simulate": "systems.simulation", "Cost": "control.costs", "Limits": "control.limits",

@@ -21,8 +21,8 @@ examples:
   hysdel audit model.hys --json
 
 A row of AD or DA that is switched off allows its form to be as large as its big-M constant. "interval" is the constant
-by interval arithmetic, as HYSDEL 2.0.5 has it, "lp" the one by linear programs, which is used by default. "loose" is their
-ratio, "condition" the largest over the smallest coefficient of the row. The loosest rows come first.
+by interval arithmetic, as HYSDEL 2.0.5 has it, "lp" the one by linear programs, which is used by default. "loose" is
+their ratio, "condition" the largest over the smallest coefficient of the row. The loosest rows come first.
 """
 
 _SHOWN = 20
@@ -74,9 +74,8 @@ def _lines(report: Audit, most: int) -> Iterator[str]:
 def _findings(report: Audit) -> Iterator[str]:
     finest = min((row for row in report.rows if row.resolution), key=lambda r: r.resolution or 0.0, default=None)
     if finest is not None:
-        yield (
-            f"finest threshold: epsilon {finest.epsilon:g} beside a coefficient of {finest.largest:.4g} in {finest.origin}"
-        )
+        gap = f"epsilon {finest.epsilon:g} beside a coefficient of {finest.largest:.4g}"
+        yield f"finest threshold: {gap} in {finest.origin}"
     for scaling in report.scalings:
         v = scaling.variable
         if not v.is_bool and scaling.largest > _WORST_SCALED * scaling.smallest:

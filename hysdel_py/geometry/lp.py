@@ -138,8 +138,7 @@ def sharpened_bound(lp: Lp, found: LpResult) -> float:
 def is_proven_empty(lp: Lp, *, precision: Precision = DEFAULT_PRECISION) -> bool:
     """Whether no point satisfies the rows and ranges, by the multipliers of a program that may exceed the rows.
 
-    The rows, brought to a largest coefficient of 1, are allowed to be exceeded by t; emptiness is proven by a lower bound
-    of t.
+    The rows, brought to a largest coefficient of 1, may be exceeded by t; emptiness is proven by a lower bound of t.
     """
     if np.any(lp.lb > lp.ub):
         return True

@@ -156,7 +156,8 @@ class Audit:
         largest = max((row.lp for row in self.rows), default=0.0)
         return (
             f"{len(self.rows)} big-M constants, {self.tighter} of them smaller by linear programs than by intervals; "
-            f"the largest is {largest:.6g}; {len(self.merged)} generated Booleans could be shared, {len(self.redundant)} rows left out"
+            f"the largest is {largest:.6g}; {len(self.merged)} generated Booleans could be shared, "
+            f"{len(self.redundant)} rows left out"
         )
 
 

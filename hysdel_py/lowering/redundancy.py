@@ -1,8 +1,8 @@
 """Rows of an Mld that the others imply.
 
 Input: an Mld. Output: an Mld without rows that follow from its other rows and the ranges of states and inputs, with
-Booleans anywhere between 0 and 1, and which rows these were. Preserved: the relaxation, so what a controller can plan and
-how tight its bounds are; the kept rows keep their order and their origins.
+Booleans anywhere between 0 and 1, and which rows these were. Preserved: the relaxation, so what a controller can plan
+and how tight its bounds are; the kept rows keep their order and their origins.
 
 The ranges of real auxiliaries take no part, since the rows are what these follow from.
 """
@@ -96,12 +96,12 @@ class _Rows:
         others = self._neighbours(row)
         if not others:
             return False
-        lp = self._program([*others, row], row, size)
+        lp = self._program([*others, row], size)
         found = maximise(lp.c, lp.A, lp.b, lp.lb, lp.ub)
         return found.is_optimal and sharpened_bound(lp, found) <= limit
 
-    def _program(self, rows: list[int], row: int, size: float) -> Lp:
-        """Greatest value of a row over others and the row itself, moved outwards so that the program is bounded."""
+    def _program(self, rows: list[int], size: float) -> Lp:
+        """Greatest value of the last row over all; it is moved outwards itself, so that the program is bounded."""
         columns = {c: k for k, c in enumerate(dict.fromkeys(c for r in rows for c in self._entries[r][0].tolist()))}
         A, order = np.zeros((len(rows), len(columns))), np.array(list(columns), dtype=np.intp)
         for index, r in enumerate(rows):

@@ -1,7 +1,8 @@
 """Generated Booleans of equal definition become one.
 
-Input: a Dha. Output: a Dha without the generated Booleans whose definition another Boolean has already, and which Boolean
-stands for each. Preserved: states, inputs, outputs, declared auxiliaries and their values; what is kept keeps its origin.
+Input: a Dha. Output: a Dha without the generated Booleans whose definition another Boolean has already, and which
+Boolean stands for each. Preserved: states, inputs, outputs, declared auxiliaries and their values; what is kept keeps
+its origin.
 """
 
 from __future__ import annotations

@@ -20,7 +20,7 @@ def box_of(mld):
 
 
 def greatest(mld, row, side, *, integer):
-    """By how much ``row w <= side`` is exceeded within the rows and ranges of an Mld; minus infinity without a point."""
+    """By how much ``row w <= side`` is exceeded within the rows and ranges; minus infinity without a point."""
     A, b = rows_of(mld)
     whole = [v.is_bool for v in (*mld.d, *mld.z, *mld.u, *mld.x)]
     integrality = np.array(whole, dtype=int) if integer else None

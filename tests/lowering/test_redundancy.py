@@ -11,9 +11,8 @@ from hysdel_py.lowering.redundancy import remove_redundant_rows
 
 
 def load(implementation):
-    return hys.load(
-        "SYSTEM s { INTERFACE { STATE { REAL x [-2, 3]; BOOL b, c; } } IMPLEMENTATION { %s } }" % implementation
-    )
+    head = "SYSTEM s { INTERFACE { STATE { REAL x [-2, 3]; BOOL b, c; } }"
+    return hys.load(f"{head} IMPLEMENTATION {{ {implementation} }} }}")
 
 
 @pytest.mark.parametrize(

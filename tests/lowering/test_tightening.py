@@ -28,10 +28,8 @@ RANDOM = {
 
 
 def load(implementation, state="REAL x [-2, 3]; BOOL b;"):
-    return hys.load(
-        "SYSTEM s { INTERFACE { STATE { %s } INPUT { REAL u [0, 1]; BOOL v; } } IMPLEMENTATION { %s } }"
-        % (state, implementation)
-    )
+    head = f"SYSTEM s {{ INTERFACE {{ STATE {{ {state} }} INPUT {{ REAL u [0, 1]; BOOL v; }} }}"
+    return hys.load(f"{head} IMPLEMENTATION {{ {implementation} }} }}")
 
 
 def rows(implementation, **options):
@@ -69,7 +67,7 @@ def test_no_improvement_keeps_the_number_of_the_interval_rule():
 
 @pytest.mark.parametrize(("stated", "kept"), [("-2, 1, 1e-6", 1), ("-9, 9, 1e-6", 3)])
 def test_stated_ranges_are_kept_where_they_are_tighter(stated, kept):
-    mld = hys.to_mld(load("AUX { BOOL d; } AD { d = x <= 0 [%s]; }" % stated))
+    mld = hys.to_mld(load(f"AUX {{ BOOL d; }} AD {{ d = x <= 0 [{stated}]; }}"))
     assert mld.E2.toarray()[1, 0] == pytest.approx(kept)
 
 
