@@ -1,6 +1,6 @@
 """What tight big-M constants bring to hybrid predictive control, and what they cost to compile.
 
-    python benchmarks/tightening.py [--horizons 5 10] [--models clutch two_tanks ...] [--node-limit 200] [--steps 12]
+    python benchmarks/tightening.py [--horizons 5 10] [--models clutch ...] [--node-limit 300] [--steps 4]
     python benchmarks/tightening.py --compile
 
 For each shipped model, and for one whose ranges are too wide while MUST says the right ones, one closed loop is run
@@ -192,9 +192,9 @@ def main() -> int:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--horizons", type=int, nargs="+", default=[5, 10])
     parser.add_argument("--models", nargs="+", default=[task.model for task in TASKS])
-    parser.add_argument("--node-limit", type=int, default=100)
+    parser.add_argument("--node-limit", type=int, default=300)
     parser.add_argument("--time-limit", type=float, default=20.0)
-    parser.add_argument("--steps", type=int, default=12)
+    parser.add_argument("--steps", type=int, default=4)
     parser.add_argument("--compile", action="store_true", help="times of the compiler instead")
     options = parser.parse_args()
     for line in compile_table() if options.compile else table(options):

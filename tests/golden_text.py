@@ -149,9 +149,9 @@ def stage_text(name: str, stage: str) -> str:
     model = load(path)
     texts = {
         "typed": lambda: typed_text(model.typed),
-        "dha": lambda: model.dha.describe(),
+        "dha": model.dha.describe,
         "mld": lambda: to_mld(model, big_m="interval").describe(),
-        "tight": lambda: model.mld.describe(),
+        "tight": model.mld.describe,
     }
     return texts[stage]()
 

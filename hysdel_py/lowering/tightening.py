@@ -19,7 +19,7 @@ from hysdel_py.lowering.relaxation import DEFAULT_EFFORT, Effort, Greatest, Rela
 from hysdel_py.lowering.rows import item_rows
 from hysdel_py.syntax.source import Span
 from hysdel_py.systems.affine import Affine
-from hysdel_py.systems.dha import AffineEquation, Dha, DhaItem, Event, Switch
+from hysdel_py.systems.dha import AffineEquation, Dha, DhaItem, Event, LogicRequirement, Switch
 
 __all__ = ["Tightened", "tighten"]
 
@@ -104,6 +104,7 @@ class _Tightening:
         self._row_tolerance = dha.tolerances.row
         self._booleans = frozenset(v.name for v in dha.d)
         self._reals = frozenset(v.name for v in dha.z)
+        self._demanded = _demanded(dha)
         self._boxes = _boxes(dha, ranges)
         self._relaxation = Relaxation(dha, self._boxes, self._rows, effort)
 
@@ -177,14 +178,15 @@ class _Tightening:
         if name in self._booleans and name not in self._narrowed:
             self._narrowed[name] = (value, value)
             self._relaxation.narrow(name, (value, value))
-        if isinstance(item, Switch) or not (item.origin.subgroup > 1 or self._known_to_the_interval_rule(item)):
+        if isinstance(item, Switch) or self._is_news(item):
             span = Span(item.origin.start, item.origin.end)
             self._sink.note(Code.DEAD_BRANCH, _dead(value, item), span, help=_DEAD_HELP)
 
-    def _known_to_the_interval_rule(self, event: Event) -> bool:
-        """Whether the form is on one side over the ranges alone, of which HYS521 tells."""
+    def _is_news(self, event: Event) -> bool:
+        """Whether neither MUST demands the value outright nor the ranges alone decide it, of which HYS521 tells."""
         low, high = event.form.range(self.result.ranges.of_variable)
-        return high <= 0 or low > self._row_tolerance
+        decided = high <= 0 or low > self._row_tolerance
+        return not (decided or event.origin.subgroup > 1 or event.name in self._demanded)
 
     def _narrow(self, name: str, spans: Iterable[Interval]) -> None:
         """Keep the hull of spans as the range of a real auxiliary where it is an improvement."""
@@ -207,6 +209,12 @@ class _Tightening:
 def _held(found: Greatest, most: float) -> float:
     """Constant of a row that is never switched off: any does, so one with which the row holds outright."""
     return most if found.empty else min(found.bound, most)
+
+
+def _demanded(dha: Dha) -> frozenset[str]:
+    """Booleans to which a requirement gives a value."""
+    literals = (item.value.literal for item in dha.requirements if isinstance(item, LogicRequirement))
+    return frozenset(literal.name for literal in literals if literal is not None)
 
 
 def _boxes(dha: Dha, ranges: Ranges) -> dict[str, Interval]:

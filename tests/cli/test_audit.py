@@ -36,5 +36,7 @@ def test_dead_branches_are_shown_in_the_source(hysdel, tmp_path):
 
 
 def test_a_mistake_is_reported(hysdel, tmp_path):
-    (tmp_path / "wrong.hys").write_text("SYSTEM s { INTERFACE { } IMPLEMENTATION { LOGIC { a = b; } } }", encoding="utf-8")
+    (tmp_path / "wrong.hys").write_text(
+        "SYSTEM s { INTERFACE { } IMPLEMENTATION { LOGIC { a = b; } } }", encoding="utf-8"
+    )
     assert hysdel("audit", tmp_path / "wrong.hys").status == 1
