@@ -208,3 +208,10 @@ def test_the_same_every_time():
     first, second = (hys.to_mld(hys.load("clutch")) for _ in range(2))
     assert (first.E5 == second.E5).all()
     assert (first.E2.toarray() == second.E2.toarray()).all()
+
+
+def test_controllers_take_the_only_value_of_a_boolean():
+    model = load("AUX { BOOL d, e; } AD { d = x <= 2; e = x <= 0; } MUST { x <= u; } CONTINUOUS { x = 0.5*x; }")
+    program = hys.HybridMpc(model, 2, hys.Cost(x={"x": 1.0})).formulation
+    ends = {program.describe_variable(i): (program.lb[i], program.ub[i]) for i in program.binaries}
+    assert [pair for name, pair in ends.items() if name.startswith("d[")] == [(1, 1), (0, 1)] * 2
