@@ -4,9 +4,10 @@
     python benchmarks/tightening.py --compile
 
 For each shipped model, and for one whose ranges are too wide while MUST says the right ones, one closed loop is run
-with the interval form. Each of its problems is then solved by a controller of every form: interval constants, those
-by linear programs, and the latter with shared Booleans and without redundant rows. All controllers see the same
-states, start without a plan from before and stop at the same gap or number of nodes. Read ratios: all columns come from one run.
+with the interval form. Each of its problems is then solved by a controller of every form: interval constants, those by
+linear programs, and the latter with shared Booleans and without redundant rows. All controllers see the same states,
+start without a plan from before and stop at the same gap or number of nodes. Read ratios: all columns come from one
+run.
 """
 
 from __future__ import annotations
