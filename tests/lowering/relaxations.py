@@ -25,7 +25,10 @@ def greatest(mld, row, side, *, integer):
     whole = [v.is_bool for v in (*mld.d, *mld.z, *mld.u, *mld.x)]
     integrality = np.array(whole, dtype=int) if integer else None
     constraints = LinearConstraint(A, -np.inf, b) if len(b) else ()
-    answer = milp(-row, integrality=integrality, bounds=box_of(mld), constraints=constraints)
+    question = {"c": -row, "integrality": integrality, "bounds": box_of(mld), "constraints": constraints}
+    answer = milp(**question)
+    if answer.status == 4:  # some versions of HiGHS stumble over their own presolve
+        answer = milp(**question, options={"presolve": False})
     if answer.status == 2:
         return -np.inf
     assert answer.status == 0, answer.message
