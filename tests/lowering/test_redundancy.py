@@ -42,7 +42,7 @@ def test_the_kept_rows_keep_their_origin():
 
 
 @settings(
-    max_examples=20, deadline=None, suppress_health_check=list(HealthCheck), derandomize=True, phases=[Phase.generate]
+    max_examples=8, deadline=None, suppress_health_check=list(HealthCheck), derandomize=True, phases=[Phase.generate]
 )
 @given(models())
 def test_the_relaxation_stays_the_same(text):

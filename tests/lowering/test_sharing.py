@@ -59,7 +59,7 @@ def test_option_and_step():
 
 
 @settings(
-    max_examples=25, deadline=None, suppress_health_check=list(HealthCheck), derandomize=True, phases=[Phase.generate]
+    max_examples=12, deadline=None, suppress_health_check=list(HealthCheck), derandomize=True, phases=[Phase.generate]
 )
 @given(models(), st.integers(0, 2**32 - 1))
 def test_steps_are_the_same(text, seed):

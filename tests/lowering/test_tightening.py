@@ -131,7 +131,7 @@ def test_a_question_reaches_no_further_than_it_may():
         assert relaxation.greatest(form, {}).bound == pytest.approx(bound)
 
 
-@settings(max_examples=25, **RANDOM)
+@settings(max_examples=15, **RANDOM)
 @given(models(), st.integers(0, 2**32 - 1))
 def test_steps_of_the_dha_satisfy_every_row(text, seed):
     """Never looser than the interval rule, and every step of the Dha that breaks no MUST satisfies every row."""
@@ -151,7 +151,7 @@ def test_steps_of_the_dha_satisfy_every_row(text, seed):
             assert all(v.low <= value <= v.high for v, value in zip(mld.d, d, strict=True))
 
 
-@settings(max_examples=25, **RANDOM)
+@settings(max_examples=15, **RANDOM)
 @given(models())
 def test_constants_are_never_above_those_of_the_interval_rule(text):
     dha = hys.load(text).dha
@@ -167,7 +167,7 @@ def test_constants_are_never_above_those_of_the_interval_rule(text):
             assert all(new <= old for old, new in pairs)
 
 
-@settings(max_examples=12, **RANDOM)
+@settings(max_examples=10, **RANDOM)
 @given(models())
 def test_no_integer_point_is_lost(text):
     model = hys.load(text)
