@@ -30,7 +30,8 @@ TOKEN = re.compile(r"/\*.*?\*/|\s+|[A-Za-z_]\w*|[\d.]+(?:[eE][+-]?\d+)?|<->|->|<
 KEYWORDS = """SYSTEM INTERFACE IMPLEMENTATION STATE INPUT OUTPUT PARAMETER AUX AD DA LOGIC LINEAR CONTINUOUS AUTOMATA
     MUST IF THEN ELSE REAL BOOL TRUE FALSE FOR INDEX MODULE sin log sqrt exp MLD_epsilon pi MLD_bigMbound"""
 MARKS = """{ } ( ) [ ] ; , : . = + - * / ^ & | ~ -> <- <-> <= >= 0 1 2 -1 1e308 1e-320 1e999 /* */ // # % . _ < > == x u
-    b i n (1) (2) (i) (i+1) (1:2) (1,1) (3) (0) (n) (:) (1,:) (1:2:n) ' [1;2] [1,2;3,4] x<=1 x==1 real Bool \u2212 \u00e9"""
+    b i n (1) (2) (i) (i+1) (1:2) (1,1) (3) (0) (n) (:) (1,:) (1:2:n) '
+    [1;2] [1,2;3,4] x<=1 x==1 real Bool \u2212 \u00e9"""
 PHRASES = (
     "FOR (i = 1:2) { x(i) = x(i); }",
     "FOR (i = 1:n) { FOR (j = i:n) { z(i) = A(i, j)*x(j); } }",

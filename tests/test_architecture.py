@@ -123,7 +123,7 @@ IMPORTS = [found for name in FILES for found in imports_of(name)]
 
 def test_the_walk_sees_the_package():
     assert len(FILES) > 50
-    assert Import("hysdel_py.lowering.mld", "hysdel_py.lowering.cnf", lazy=False) in IMPORTS
+    assert Import("hysdel_py.lowering.rows", "hysdel_py.lowering.cnf", lazy=False) in IMPORTS
     assert Import("hysdel_py.model", "hysdel_py.shipped", lazy=True) in IMPORTS
     assert not [i for i in IMPORTS if i.importer == "hysdel_py.errors"]
 

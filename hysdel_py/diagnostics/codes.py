@@ -67,6 +67,7 @@ class Code(Enum):
     LOOSE_BOUNDS = "HYS529"
     NOT_A_NUMBER = "HYS530"
     ASSUMED_BOUNDS = "HYS531"
+    DEAD_BRANCH = "HYS540"
     # what HYSDEL 2.0.5 would refuse or get wrong
     EXTENSION = "HYS901"
     # vectors, loops and modules

@@ -18,7 +18,7 @@ from hysdel_py.diagnostics.sink import Sink
 from hysdel_py.lowering.big_m import Ranges
 from hysdel_py.lowering.constants import Constants
 from hysdel_py.lowering.dha import to_dha
-from hysdel_py.lowering.mld import item_rows
+from hysdel_py.lowering.rows import item_rows
 from hysdel_py.semantics.expressions import leaves
 from hysdel_py.semantics.lints import read_by
 from hysdel_py.semantics.symbols import BIG_M_BOUND, EPSILON, PREDEFINED, Role, Symbol

@@ -17,7 +17,8 @@ from numpy.typing import NDArray
 from hysdel_py.diagnostics.codes import Code
 from hysdel_py.diagnostics.sink import Sink
 from hysdel_py.lowering.big_m import Ranges
-from hysdel_py.lowering.mld import Row, equation, item_rows, with_ranges
+from hysdel_py.lowering.mld import equation, with_ranges
+from hysdel_py.lowering.rows import Row, item_rows
 from hysdel_py.semantics.arithmetic import evaluate
 from hysdel_py.semantics.expressions import leaves
 from hysdel_py.semantics.symbols import BIG_M_BOUND, Symbol

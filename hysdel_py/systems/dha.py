@@ -62,6 +62,12 @@ class Switch:
     otherwise_limits: Interval | None
     origin: Origin
 
+    @property
+    def branches(self) -> tuple[tuple[Affine, Interval | None], tuple[Affine, Interval | None]]:
+        """Form and stated range where the variable of the condition is 1, and those where it is 0."""
+        pair = ((self.then, self.then_limits), (self.otherwise, self.otherwise_limits))
+        return pair if self.condition.positive else (pair[1], pair[0])
+
     def branch(self, values: Mapping[str, float]) -> Affine:
         """The branch that is active."""
         holds = (values[self.condition.name] > 0.5) == self.condition.positive
