@@ -124,8 +124,9 @@ class _Search:
             place = column + offset * (kind == "d")
             low[place] = high[place] = value
         A = np.hstack([rows.W, rows.D, rows.Z])
-        lengths = np.maximum(np.linalg.norm(A, axis=1), np.finfo(float).tiny)
-        slack = np.column_stack([A / lengths[:, None], np.where(np.any(A, axis=1), 1.0, 0.0)])
+        has_terms = np.any(A, axis=1)
+        lengths = np.where(has_terms, np.linalg.norm(A, axis=1), 1.0)
+        slack = np.column_stack([A / lengths[:, None], has_terms.astype(float)])
         cost = np.append(np.zeros(A.shape[1]), 1.0)
         answer = self._solver.maximise(cost, slack, rows.b / lengths, np.append(low, -1.0), np.append(high, 1.0))
         return not answer.bound < -self._solver.precision.touch

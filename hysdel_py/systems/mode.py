@@ -30,7 +30,6 @@ class RowKind(Enum):
     MUST = "must"
     RANGE = "range"
     BOOLEAN = "boolean"
-    HULL = "hull"
 
 
 @dataclass(frozen=True, slots=True)
@@ -40,7 +39,7 @@ class Condition:
     Attributes
     ----------
     kind : RowKind
-        A threshold, a requirement, a declared range, the value of a Boolean, or the boundary of merged modes.
+        A threshold, a requirement, a declared range or the value of a Boolean.
     name : str
         The Boolean that the threshold defines, or the variable that has the range or the value.
     holds : bool
