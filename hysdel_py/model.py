@@ -169,18 +169,27 @@ def to_dha(model: Model, *, constants: str = "affine") -> Dha:
     return compiler.lower_to_dha(model.typed, model.parameters, _option(Constants, constants, "constants"))[0]
 
 
-def to_mld(model: Model, *, big_m: str = "interval", constants: str = "affine") -> Mld:
+def to_mld(model: Model | Pwa, *, big_m: str = "interval", constants: str = "affine") -> Mld:
     """Lower a model to the MLD form with options.
 
     Parameters
     ----------
+    model : Model or Pwa
+        A piecewise affine form becomes one Boolean for each hyperplane and each mode, and one real auxiliary for each
+        affine piece.
     big_m : {"interval"}
         Rule for the big-M constants: interval arithmetic over the declared ranges, as the original compiler does.
     constants : {"affine", "aux", "forbid"}
         Constant terms of updates and outputs go to B5 and D5, to auxiliaries, or are errors.
     """
-    _check_model(model)
+    from hysdel_py.systems.pwa import Pwa
+
     rule = _option(BigM, big_m, "big_m")
+    if isinstance(model, Pwa):
+        from hysdel_py.lowering.modes_to_dha import pwa_to_dha
+
+        return compiler.lower_dha_to_mld(pwa_to_dha(model), rule)
+    _check_model(model)
     return compiler.lower_to_mld(model.typed, to_dha(model, constants=constants), rule)[0]
 
 

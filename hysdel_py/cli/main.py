@@ -8,7 +8,7 @@ import sys
 from collections.abc import Sequence
 from contextlib import suppress
 
-from hysdel_py.cli import check, compile, demo, drop_in, explain, fmt, lsp, mpc, simulate, stubs
+from hysdel_py.cli import check, compile, demo, drop_in, explain, fmt, graph, lsp, mpc, show, simulate, stubs
 from hysdel_py.cli.arguments import join_negative_values
 from hysdel_py.cli.output import print_json
 from hysdel_py.errors import ArgumentError, CompileError, HysdelError
@@ -25,6 +25,7 @@ examples:
   hysdel check model.hys                    find mistakes
   hysdel explain HYS302                     what a diagnostic means
   hysdel compile model.hys -o model.json    write the MLD matrices
+  hysdel show clutch --form pwa             print the modes with their conditions and maps
   hysdel simulate two_tanks --x0 0.1,0.2 --input 1e-4,1
   hysdel fmt model.hys                      bring it into the canonical layout
   hysdel mpc two_tanks --x0 0.1,0.4 --horizon 6 --weight level2=10 --ref level2=0.3
@@ -48,7 +49,7 @@ def build_parser() -> argparse.ArgumentParser:
     )
     parser.add_argument("--version", action="version", version=f"hysdel_py {__version__}")
     commands = parser.add_subparsers(dest="command", metavar="COMMAND")
-    for command in (check, explain, compile, simulate, mpc, demo, fmt, stubs, lsp):
+    for command in (check, explain, compile, show, graph, simulate, mpc, demo, fmt, stubs, lsp):
         command.add_parser(commands)
     return parser
 

@@ -21,7 +21,7 @@ from hysdel_py.systems.origin import RowOrigin
 from hysdel_py.systems.signals import Variable
 from hysdel_py.systems.symbolic_mld import MATRICES, SymbolicMld
 
-__all__ = ["MATRICES", "SCHEMA", "dense", "mld_to_dict", "write_json", "write_mat", "write_npz"]
+__all__ = ["MATRICES", "SCHEMA", "dense", "mld_to_dict", "variable_data", "write_json", "write_mat", "write_npz"]
 
 SCHEMA = "hysdel_py/mld/1"
 """Name and version of the layout of the JSON form."""
@@ -41,7 +41,7 @@ def mld_to_dict(mld: Mld) -> dict[str, Any]:
         "form": "x+ = A x + B1 u + B2 d + B3 z + B5; y = C x + D1 u + D2 d + D3 z + D5; "
         "E2 d + E3 z <= E1 u + E4 x + E5",
         "sizes": {key: getattr(mld, f"n{key}") for key in ("x", "u", "y", "d", "z", "e")},
-        "variables": {key: [_variable(v) for v in getattr(mld, key)] for key in ("x", "u", "y", "d", "z")},
+        "variables": {key: [variable_data(v) for v in getattr(mld, key)] for key in ("x", "u", "y", "d", "z")},
         **{name: dense(mld, name).tolist() for name in MATRICES},
         "rows": _origins(mld.rows),
         "updates": _origins(mld.updates),
@@ -57,7 +57,8 @@ def dense(mld: Mld | SymbolicMld, name: str) -> NDArray[Any]:
     return np.asarray(matrix.toarray() if hasattr(matrix, "toarray") else matrix, dtype=float) + 0.0
 
 
-def _variable(variable: Variable) -> dict[str, Any]:
+def variable_data(variable: Variable) -> dict[str, Any]:
+    """Plain data of a variable."""
     return {
         "name": variable.name,
         "type": variable.type.value,
