@@ -54,7 +54,7 @@ def pwa_to_dict(pwa: Pwa) -> dict[str, Any]:
 
 def _mode_data(mode: Mode) -> dict[str, Any]:
     return {
-        "word": {name: value for name, value in mode.word},
+        "word": dict(mode.word),
         "is_flat": mode.is_flat,
         "conditions": list(mode.conditions),
         **{name: getattr(mode, name).tolist() for name in "ABfCDg"},
