@@ -14,6 +14,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
+from hysdel_py.geometry.lp import LpResult
 from hysdel_py.geometry.redundancy import irredundant_rows
 from hysdel_py.geometry.sampling import spread_points
 from hysdel_py.geometry.solver import LpSolver
@@ -25,7 +26,11 @@ Matrix = NDArray[np.float64]
 
 _POINTS = 64
 """Points with which the first box is filled."""
-_RAY_POINTS = 4
+_BEYOND = 2.0
+"""Bound of scaled coordinates, outside the box of finite ranges; it lets multipliers prove a bound."""
+_ON_THE_WAY = 0.7
+"""Where on the way from an inner point to a face another one is put."""
+_RAY_POINTS = 16
 """Points from which the needed rows of a cell are looked for."""
 
 
@@ -72,6 +77,8 @@ class Cell:
         Inner points that are known; a flat cell has points that satisfy all rows instead.
     is_flat : bool
         Whether there are points but no inner ones.
+    is_minimal : bool
+        Whether all rows are known to be needed.
     """
 
     frame: Frame
@@ -82,6 +89,7 @@ class Cell:
     high: Vector
     points: Matrix
     is_flat: bool = False
+    is_minimal: bool = False
 
     @classmethod
     def box(cls, low: Vector, high: Vector, tags: tuple[object, ...]) -> Cell:
@@ -134,15 +142,35 @@ class Cell:
 
     def cut(self, a: Vector, b: float, tag: object, solver: LpSolver) -> Cell | None:
         """The part with ``a w <= b``, None if there is none; a row that cannot cut anything off is left out."""
-        low, high = self.range_of(a, -b, solver)
-        touch = solver.precision.touch
-        if low > touch:
-            return None
-        if high <= 0.0:
-            return self
+        return self._cut(a, b, tag, solver)[0]
+
+    def split(self, a: Vector, c: float, gap: float, tags: tuple[object, object], solver: LpSolver) -> Sides:
+        """The parts with ``a w + c <= 0`` and with ``a w + c >= gap``, each None if there is none.
+
+        Where one part is empty by a clear margin, the other one is the whole cell, without a further row.
+        """
+        first, least = self._cut(a, -c, tags[0], solver)
+        if first is None:
+            whole = c + least >= gap
+            return None, self if whole else self.cut(-a, c - gap, tags[1], solver)
+        second, least = self._cut(-a, c - gap, tags[1], solver)
+        if second is None and c - least <= 0.0:
+            return self, None
+        return first, second
+
+    def _cut(self, a: Vector, b: float, tag: object, solver: LpSolver) -> tuple[Cell | None, float]:
+        """The part with ``a w <= b``, and a lower bound of ``a w`` on the cell if there is none."""
+        low, high = self.range_of(a, 0.0, solver)
+        if low - b > solver.precision.touch:
+            return None, low
+        if high <= b:
+            return self, low
         points = self._points_of_cut(a, b, solver)
         child = self._with_row(a, b, tag, points)
-        return child if len(points) else child._searched(solver)
+        if len(points):
+            return child, low
+        found, excess = child._searched(solver)
+        return found, max(low, b + excess)
 
     def _points_of_cut(self, a: Vector, b: float, solver: LpSolver) -> Matrix:
         """Known points that stay inside."""
@@ -160,25 +188,34 @@ class Cell:
             self.frame, np.vstack([self.A, a]), np.append(self.b, b), (*self.tags, tag), low, high, points, self.is_flat
         )
 
-    def _searched(self, solver: LpSolver) -> Cell | None:
-        """The cell with a point that a linear program found, or None."""
+    def _searched(self, solver: LpSolver) -> tuple[Cell | None, float]:
+        """The cell with a point that a linear program found, or None and by how much the other rows exceed the last."""
         if not self.is_flat:
-            centre, radius = self._greatest_ball(solver)
+            answer = self._greatest_ball(solver)
+            radius = float(answer.w[-1]) if answer.is_optimal else 0.0
             if radius > solver.precision.interior:
-                return self._with_points(centre, flat=False)
+                return self._with_points(self.frame.centre + self.frame.half * answer.w[:-1], flat=False), -np.inf
             if radius < -solver.precision.interior:
-                return None
-        return self._settled_by_a_vertex(solver)
+                return None, self._excess(answer)
+        return self._settled_by_a_vertex(solver), -np.inf
 
-    def _greatest_ball(self, solver: LpSolver) -> tuple[Vector, float]:
+    def _excess(self, answer: LpResult) -> float:
+        """By how much the last row is missed by all points that satisfy the others, proven by the multipliers.
+
+        With multipliers y and the bound t of the greatest radius, every such point has ``a w - b >= -t / y_last`` for
+        the last row at unit length, since the terms of the other rows are not negative.
+        """
+        last = float(answer.y[-1])
+        if last <= 0.0 or not answer.bound < 0.0:
+            return 0.0
+        return -answer.bound / last * float(self._units[2][-1])
+
+    def _greatest_ball(self, solver: LpSolver) -> LpResult:
         G, h, _ = self._units
-        free = np.full(self.n + 1, np.inf)
+        reach = np.where(np.isfinite(self.high - self.low), _BEYOND, np.inf)
         rows = np.column_stack([G, np.ones(len(h))])
-        high = np.append(free[:-1], 1.0)
-        answer = solver.maximise(np.append(np.zeros(self.n), 1.0), rows, h, -free, high)
-        if answer.is_optimal:
-            return self.frame.centre + self.frame.half * answer.w[:-1], float(answer.w[-1])
-        return self.frame.centre, 0.0
+        low, high = np.append(-reach, -np.inf), np.append(reach, 1.0)
+        return solver.maximise(np.append(np.zeros(self.n), 1.0), rows, h, low, high)
 
     def _settled_by_a_vertex(self, solver: LpSolver) -> Cell | None:
         """Move all rows outwards as little as possible, each in its own unit."""
@@ -195,11 +232,32 @@ class Cell:
     def _with_points(self, point: Vector, *, flat: bool) -> Cell:
         return Cell(self.frame, self.A, self.b, self.tags, self.low, self.high, point[None], flat)
 
-    def needed_rows(self, solver: LpSolver) -> tuple[int, ...]:
-        """Rows without which the cell would be larger."""
+    def minimal(self, solver: LpSolver) -> Cell:
+        """The same cell without rows that others imply.
+
+        What a cell does not need, no part of it needs: dropping rows early saves their tests in all parts.
+        """
+        if self.is_minimal:
+            return self
         G, h, _ = self._units
-        inside = np.zeros((0, self.n)) if self.is_flat else self.points[:_RAY_POINTS]
-        return irredundant_rows(G, h, (inside - self.frame.centre) / self.frame.half, solver)
+        inside = np.zeros((0, self.n)) if self.is_flat else self._spread(G, h)
+        rows = list(irredundant_rows(G, h, inside[:_RAY_POINTS], solver))
+        tags = tuple(self.tags[row] for row in rows)
+        points = self.points if self.is_flat else self.frame.centre + self.frame.half * inside
+        return Cell(
+            self.frame, self.A[rows], self.b[rows], tags, self.low, self.high, points, self.is_flat, is_minimal=True
+        )
+
+    def _spread(self, G: Matrix, h: Vector) -> Matrix:
+        """Known points in scaled coordinates; if they are few, with more on the way from the first one to each face."""
+        points = (self.points - self.frame.centre) / self.frame.half
+        if len(points) >= _RAY_POINTS or not len(h):
+            return points
+        with np.errstate(divide="ignore", invalid="ignore"):
+            times = (h - G @ points[0])[:, None] / (G @ G.T)
+        soonest = np.where(times > 0, times, np.inf).min(axis=0)
+        bounded = np.isfinite(soonest)
+        return np.vstack([points, points[0] + _ON_THE_WAY * soonest[bounded, None] * G[bounded]])
 
 
 def _tightened(low: Vector, high: Vector, column: int, a: float, b: float) -> tuple[Vector, Vector]:
@@ -210,3 +268,6 @@ def _tightened(low: Vector, high: Vector, column: int, a: float, b: float) -> tu
     else:
         low[column] = max(low[column], b / a)
     return low, high
+
+
+Sides = tuple[Cell | None, Cell | None]

@@ -66,7 +66,7 @@ class Space:
 
     def mode(
         self, index: int, truths: Mapping[str, float], maps: tuple[list[Vector], list[Vector]], cell: Cell,
-        *, rows: tuple[int, ...], precision: Precision,
+        precision: Precision,
     ) -> Mode:  # fmt: skip
         """A mode from its cell and the maps of its next states and outputs.
 
@@ -75,10 +75,10 @@ class Space:
         truths : mapping
             Values of the Booleans that have one.
         maps : pair of lists of arrays of shape (n + 1,)
-        rows : tuple of int
-            Rows of the cell that are needed.
+        cell : Cell
+            With needed rows only.
         """
-        region, sources = self._region(truths, cell, rows, precision)
+        region, sources = self._region(truths, cell, precision)
         nx, n = len(self.x), len(self.names)
         blocks = [np.array(group).reshape(-1, n + 1) + 0.0 for group in maps]
         parts = [part for block in blocks for part in (block[:, :nx], block[:, nx:n], block[:, n])]
@@ -87,14 +87,14 @@ class Space:
         return Mode(index, A, B, f, C, D, g, region, sources, word, cell.is_flat, self.names)
 
     def _region(
-        self, truths: Mapping[str, float], cell: Cell, rows: tuple[int, ...], precision: Precision
+        self, truths: Mapping[str, float], cell: Cell, precision: Precision
     ) -> tuple[Polyhedron, tuple[Condition, ...]]:
-        """The needed rows of the cell over all coordinates, then two rows for each Boolean coordinate."""
-        real = np.zeros((len(rows), len(self.names)))
-        real[:, self.reals] = cell.A[list(rows)]
+        """The rows of the cell over all coordinates, then two rows for each Boolean coordinate."""
+        real = np.zeros((len(cell.b), len(self.names)))
+        real[:, self.reals] = cell.A
         unit = np.eye(len(self.names))
-        matrices, sides = [real], [cell.b[list(rows)]]
-        sources = [tag for tag in (cell.tags[row] for row in rows) if isinstance(tag, Condition)]
+        matrices, sides = [real], [cell.b]
+        sources = [tag for tag in cell.tags if isinstance(tag, Condition)]
         for name, column in self.boolean_columns.items():
             value = bool(truths[name]) if name in truths else None
             low, high = (0.0, 1.0) if value is None else (float(value), float(value))

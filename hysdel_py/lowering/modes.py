@@ -17,7 +17,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from hysdel_py.errors import SimulationError
-from hysdel_py.geometry.cell import Cell
+from hysdel_py.geometry.cell import Cell, Sides
 from hysdel_py.geometry.search_tree import SearchTreeBuilder, Slot
 from hysdel_py.geometry.solver import LpSolver
 from hysdel_py.lowering.mode_conditions import of_boolean, of_event, of_requirement
@@ -89,7 +89,7 @@ class _Search:
         self._dead_ends: list[Condition] = []
         self._modes: list[Mode] = []
         self._leaves: list[Auxiliaries] = []
-        self._needed: dict[int, tuple[Cell, tuple[int, ...]]] = {}
+        self._needed: dict[int, tuple[Cell, Cell]] = {}
         self._cells = 0
 
     def run(self, max_modes: int, progress: Progress | None) -> Pwa:
@@ -151,8 +151,8 @@ class _Search:
 
     def _split(self, event: Event, branch: _Branch) -> list[_Branch]:
         form = self._folded(event.form, branch.knowledge)
-        sides = [(value, self._side(event, form, branch.cell, holds=value)) for value in (True, False)]
-        parts = [(value, cell) for value, cell in sides if cell is not None]
+        sides = zip((True, False), self._sides(event, form, branch.cell), strict=True)
+        parts = [(value, cell.minimal(self._solver)) for value, cell in sides if cell is not None]
         if not parts:
             return self._dead(branch, of_event(event))
         slots: tuple[Slot, ...] = (branch.slot,)
@@ -162,6 +162,14 @@ class _Search:
             _Branch(branch.position, branch.knowledge.with_truth(event.name, value), cell, slot)
             for (value, cell), slot in zip(parts, slots, strict=True)
         ]
+
+    def _sides(self, event: Event, form: np.ndarray, cell: Cell) -> Sides:
+        """The parts of a cell on both sides of a threshold."""
+        a, c = form[self._space.reals], float(form[-1])
+        if not a.any():
+            return self._side(event, form, cell, holds=True), self._side(event, form, cell, holds=False)
+        tags = of_event(event), of_event(event, holds=False)
+        return cell.split(a, c, event.epsilon, tags, self._solver)
 
     def _side(self, event: Event, form: np.ndarray, cell: Cell, *, holds: bool) -> Cell | None:
         """The part of a cell on one side of a threshold."""
@@ -211,22 +219,19 @@ class _Search:
             self._builder.leaf(branch.slot)
         knowledge, space = branch.knowledge, self._space
         maps = tuple([self._update(v.name, knowledge) for v in group] for group in (self._dha.x, self._dha.y))
-        rows = self._rows(branch.cell)
+        cell = self._minimal(branch.cell)
         index = len(self._modes)
-        mode = space.mode(
-            index, knowledge.truths, (maps[0], maps[1]), branch.cell, rows=rows, precision=self._solver.precision
-        )
-        self._modes.append(mode)
+        self._modes.append(space.mode(index, knowledge.truths, (maps[0], maps[1]), cell, self._solver.precision))
         d = [knowledge.truths[v.name] for v in self._dha.d]
         self._leaves.append(space.auxiliaries(d, [knowledge.maps[v.name] for v in self._dha.z]))
 
     def _update(self, name: str, knowledge: Knowledge) -> np.ndarray:
         return knowledge.value_of(self._dha.definitions.get(name))
 
-    def _rows(self, cell: Cell) -> tuple[int, ...]:
-        """Needed rows of a cell; the cells of modes that differ in Booleans alone are the same object."""
+    def _minimal(self, cell: Cell) -> Cell:
+        """The cell without rows that others imply; modes that differ in Booleans alone have the same one."""
         if id(cell) not in self._needed:
-            self._needed[id(cell)] = cell, cell.needed_rows(self._solver)
+            self._needed[id(cell)] = cell, cell.minimal(self._solver)
         return self._needed[id(cell)][1]
 
     def _pwa(self, *, is_complete: bool) -> Pwa:

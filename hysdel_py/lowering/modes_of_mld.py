@@ -141,10 +141,8 @@ class _Search:
             return
         cell, z = found
         maps = tuple(self._maps(blocks, d, z) for blocks in self._equations())
-        rows = cell.needed_rows(self._solver)
-        index = len(self._modes)
-        mode = space.mode(index, truths, (maps[0], maps[1]), cell, rows=rows, precision=self._solver.precision)
-        self._modes.append(mode)
+        index, precision = len(self._modes), self._solver.precision
+        self._modes.append(space.mode(index, truths, (maps[0], maps[1]), cell.minimal(self._solver), precision))
         self._leaves.append(space.auxiliaries(d.tolist(), list(z)))
 
     def _cell(self, d: Vector, truths: dict[str, float]) -> tuple[Cell, Matrix] | None:

@@ -59,7 +59,23 @@ def test_what_only_touches_is_flat_and_what_a_gap_parts_is_empty():
 def test_needed_rows_and_their_tags():
     solver = LpSolver()
     cell = unit_box(2).cut(np.array([1.0, 1.0]), 0.5, "diagonal", solver).cut(np.array([1.0, 0.1]), 1.05, "far", solver)
-    assert [cell.tags[row] for row in cell.needed_rows(solver)] == ["row 0", "row 1", "row 2", "row 3", "diagonal"]
+    assert cell.minimal(solver).tags == ("row 0", "row 1", "row 2", "row 3", "diagonal")
+    assert cell.minimal(solver).minimal(solver).is_minimal
+
+
+@settings(max_examples=40, deadline=None, derandomize=True)
+@given(st.integers(0, 10**6), st.integers(1, 3))
+def test_split_gives_what_two_cuts_give(seed, n):
+    rng, solver = np.random.default_rng(seed), LpSolver()
+    cell = unit_box(n).cut(rng.normal(size=n), 0.3, "first", solver)
+    a, c = rng.normal(size=n), 2 * rng.normal()
+    low, high = cell.split(a, c, 1e-6, ("low", "high"), solver)
+    for part, row, side in ((low, a, -c), (high, -a, c - 1e-6)):
+        assert (part is None) == (not has_a_point(np.vstack([cell.A, row]), np.append(cell.b, side)))
+    if high is None:
+        assert linprog(-a, cell.A, cell.b, bounds=[(None, None)] * n).fun * -1 + c <= 0 or low is not cell
+    if low is None and high is cell:
+        assert linprog(a, cell.A, cell.b, bounds=[(None, None)] * n).fun + c >= 1e-6
 
 
 def test_infinite_ends():
