@@ -11,6 +11,9 @@ from hysdel_py.geometry.sampling import spread_points
 from hysdel_py.geometry.search_tree import NOWHERE, SearchTree, SearchTreeBuilder
 from hysdel_py.geometry.solver import LpSolver
 
+GAP = 0.8
+"""So wide that a side may be empty although the other one does not fill the cell."""
+
 
 def unit_box(n):
     return Cell.box(-np.ones(n), np.ones(n), tuple(f"row {k}" for k in range(2 * n)))
@@ -69,13 +72,13 @@ def test_split_gives_what_two_cuts_give(seed, n):
     rng, solver = np.random.default_rng(seed), LpSolver()
     cell = unit_box(n).cut(rng.normal(size=n), 0.3, "first", solver)
     a, c = rng.normal(size=n), 2 * rng.normal()
-    low, high = cell.split(a, c, 1e-6, ("low", "high"), solver)
-    for part, row, side in ((low, a, -c), (high, -a, c - 1e-6)):
+    low, high = cell.split(a, c, GAP, ("low", "high"), solver)
+    for part, row, side in ((low, a, -c), (high, -a, c - GAP)):
         assert (part is None) == (not has_a_point(np.vstack([cell.A, row]), np.append(cell.b, side)))
-    if high is None:
-        assert linprog(-a, cell.A, cell.b, bounds=[(None, None)] * n).fun * -1 + c <= 0 or low is not cell
+    if high is None and low is cell:
+        assert c - linprog(-a, cell.A, cell.b, bounds=[(None, None)] * n).fun <= 1e-9
     if low is None and high is cell:
-        assert linprog(a, cell.A, cell.b, bounds=[(None, None)] * n).fun + c >= 1e-6
+        assert c + linprog(a, cell.A, cell.b, bounds=[(None, None)] * n).fun >= GAP - 1e-9
 
 
 def test_infinite_ends():

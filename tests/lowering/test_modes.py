@@ -132,6 +132,17 @@ def test_booleans_that_only_pass_through_stay_free():
     np.testing.assert_allclose(pwa.step([0.5, 1, 1], [0])[0], [2.5, 1, 1])
 
 
+def test_a_boolean_behind_a_threshold_is_split():
+    text = """SYSTEM s { INTERFACE { STATE { REAL x [-2, 3]; BOOL b; } }
+      IMPLEMENTATION { AUX { REAL z; BOOL d; } LINEAR { z = x + 2*(REAL b); } AD { d = z >= 1; }
+      CONTINUOUS { x = (REAL d); } AUTOMATA { b = b; } } }"""
+    model = hys.load(text)
+    assert [mode.bits for mode in model.pwa.modes] == ["11", "10", "01", "00"]
+    for x in (-1.5, 0.0, 2.0):
+        for b in (0, 1):
+            assert compare(model, model.pwa, np.array([x, b]), np.zeros(0))
+
+
 LOOP = """SYSTEM s { INTERFACE { STATE { REAL x [-4, 4]; } }
   IMPLEMENTATION { AUX { REAL z, w; BOOL d; } LINEAR { z = %s*w + x; w = z - (REAL d); } AD { d = w >= 1; }
   CONTINUOUS { x = 0.5*z; } } }"""

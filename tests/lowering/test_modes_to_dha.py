@@ -63,6 +63,7 @@ def test_names_of_thresholds_stay():
     text = hysdel_text(pwa_to_dha(hys.load("clutch").pwa))
     for name in ("stick", "karnopp", "neg_slip", "lockupahead"):
         assert f"      BOOL {name};\n" in text
+    assert text.count("<= 0;") == 4
 
 
 @pytest.mark.parametrize("name", ["clutch", "two_rooms", "three_tanks"])
