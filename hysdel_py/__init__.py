@@ -15,27 +15,28 @@ if TYPE_CHECKING:
     from hysdel_py.control.limits import Limits
     from hysdel_py.errors import ArgumentError, CompileError, HysdelError, SimulationError
     from hysdel_py.export.reading import read_json
-    from hysdel_py.model import Model, audit, load, to_dha, to_mld, to_symbolic_mld
+    from hysdel_py.model import Model, audit, load, to_dha, to_mld, to_pwa, to_symbolic_mld
     from hysdel_py.reports.explain_infeasible import explain_infeasible
     from hysdel_py.reports.explanation import Explanation
     from hysdel_py.shipped import shipped_models
     from hysdel_py.systems.dha import Dha
     from hysdel_py.systems.mld import Mld
+    from hysdel_py.systems.pwa import Pwa
     from hysdel_py.systems.simulation import simulate
     from hysdel_py.systems.trajectory import Trajectory
 
 __all__ = [
     "ArgumentError", "CompileError", "Cost", "Dha", "Explanation", "HybridMpc", "HysdelError", "Limits", "Mld",
-    "Model", "Move", "MoveStatus", "SimulationError", "Trajectory", "__version__", "audit", "closed_loop",
-    "explain_infeasible", "load", "read_json", "shipped_models", "simulate", "to_dha", "to_mld", "to_symbolic_mld",
+    "Model", "Move", "MoveStatus", "Pwa", "SimulationError", "Trajectory", "__version__", "audit", "closed_loop",
+    "explain_infeasible", "load", "read_json", "shipped_models", "simulate", "to_dha", "to_mld", "to_pwa",
+    "to_symbolic_mld",
 ]  # fmt: skip
 
 _HOME = {
     "ArgumentError": "errors", "CompileError": "errors", "HysdelError": "errors", "SimulationError": "errors",
-    "Model": "model", "audit": "model", "load": "model",
-    "to_dha": "model", "to_mld": "model", "to_symbolic_mld": "model",
-    "read_json": "export.reading", "shipped_models": "shipped",
-    "Dha": "systems.dha", "Mld": "systems.mld", "Trajectory": "systems.trajectory",
+    "Model": "model", "audit": "model", "load": "model", "to_dha": "model", "to_mld": "model", "to_symbolic_mld":
+    "model", "read_json": "export.reading", "shipped_models": "shipped", "Dha": "systems.dha", "Mld": "systems.mld",
+    "Trajectory": "systems.trajectory", "to_pwa": "model", "Pwa": "systems.pwa",
     "simulate": "systems.simulation", "Cost": "control.costs", "Limits": "control.limits",
     "HybridMpc": "control.hybrid_mpc", "Move": "control.hybrid_mpc", "MoveStatus": "control.hybrid_mpc",
     "closed_loop": "control.closed_loop",

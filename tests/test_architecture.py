@@ -42,6 +42,7 @@ MAY_IMPORT: dict[str, set[str]] = {
         "systems",
         "lowering",
         "compiler",
+        "geometry",
     },
     "plotting": {"errors", "systems"},
     "shipped": {"syntax"},
