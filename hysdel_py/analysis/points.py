@@ -1,0 +1,122 @@
+"""Random states and inputs, some on thresholds and beside them, at which two forms are stepped."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from math import isfinite
+
+import numpy as np
+
+from hysdel_py.analysis.comparison import Comparison
+from hysdel_py.analysis.report import PointTally
+from hysdel_py.analysis.stepping import Witness
+from hysdel_py.errors import SimulationError
+from hysdel_py.systems.affine import Affine
+from hysdel_py.systems.dha import Event
+from hysdel_py.systems.signals import Variable
+
+__all__ = ["random_points", "step_points"]
+
+Point = dict[str, float]
+
+WITHOUT_RANGE = 1e3
+"""An endless range is sampled that far."""
+
+_BESIDE = 2.0  # points beside a threshold are that many bands away from it
+
+
+def random_points(comparison: Comparison, count: int, seed: int) -> Iterator[Point]:
+    """Values of states and inputs: anywhere, at the ends of ranges, and in turn on, above and below each threshold."""
+    generator = np.random.default_rng(seed)
+    variables = (*comparison.dha.x, *comparison.dha.u)
+    events = [item for item in comparison.dha.items if isinstance(item, Event)]
+    for number in range(count):
+        point = {v.name: _sample(v, generator) for v in variables}
+        if events and number % 2:
+            event = events[(number // 2) % len(events)]
+            offset = _BESIDE * comparison.band(event) * (0.0, 1.0, -1.0)[(number // 2 // len(events)) % 3]
+            _move_to(point, event, offset, variables, generator, comparison)
+        yield point
+
+
+def _sample(variable: Variable, generator: np.random.Generator) -> float:
+    if variable.is_bool:
+        return float(generator.integers(2))
+    low = variable.low if isfinite(variable.low) else -WITHOUT_RANGE
+    high = variable.high if isfinite(variable.high) else WITHOUT_RANGE
+    if generator.integers(8) == 0:
+        return low if generator.integers(2) else high
+    return float(generator.uniform(low, high))
+
+
+def _move_to(
+    point: Point,
+    event: Event,
+    offset: float,
+    variables: Sequence[Variable],
+    generator: np.random.Generator,
+    comparison: Comparison,
+) -> None:
+    """Move one real variable of the form so that the form has a value, as far as its range allows."""
+    terms = dict(event.form.terms)
+    movable = [v for v in variables if not v.is_bool and terms.get(v.name)]
+    values = _values_at(comparison, point)
+    if not movable or values is None:
+        return
+    v = movable[int(generator.integers(len(movable)))]
+    wanted = point[v.name] + (offset - event.form.value(values)) / terms[v.name]
+    point[v.name] = min(max(wanted, v.low), v.high)
+
+
+def _values_at(comparison: Comparison, point: Point) -> Point | None:
+    """All variables of the Dha at a point; requirements do not matter."""
+    dha = comparison.dha
+    try:
+        _, _, d, z = dha.step(
+            {v.name: point[v.name] for v in dha.x}, {v.name: point[v.name] for v in dha.u}, check=False
+        )
+    except SimulationError:
+        return None
+    return point | {v.name: float(value) for v, value in zip((*dha.d, *dha.z), (*d, *z), strict=True)}
+
+
+def step_points(comparison: Comparison, count: int, seed: int) -> PointTally:
+    """Step both forms at random points; those in the band around a threshold decide nothing."""
+    equal = infeasible = in_band = 0
+    different: list[Witness] = []
+    dha = comparison.dha
+    for point in random_points(comparison, count, seed):
+        if not comparison.clock.left:
+            break
+        values = _values_at(comparison, point)
+        x, u = {v.name: point[v.name] for v in dha.x}, {v.name: point[v.name] for v in dha.u}
+        if values is not None and _is_near(comparison, values):
+            in_band += 1
+            continue
+        witness = comparison.compare(x, u)
+        if witness is not None:
+            different.append(witness)
+        elif values is not None and all(_excess(comparison, item.value, values) <= 0.0 for item in dha.requirements):
+            equal += 1
+        else:
+            infeasible += 1
+    return PointTally(equal, infeasible, in_band, tuple(different))
+
+
+def _excess(comparison: Comparison, value: object, values: Point) -> float:
+    """By how much a requirement is violated."""
+    if isinstance(value, Affine):
+        return value.value(values) - comparison.dha.tolerances.row
+    return 0.0 if value.value(values) else 1.0  # type: ignore[attr-defined]
+
+
+def _is_near(comparison: Comparison, values: Point) -> bool:
+    """Whether a form lies in the gap of its threshold, or a comparison in MUST is violated by next to nothing."""
+    for item in comparison.dha.items:
+        if isinstance(item, Event) and 0.0 < item.form.value(values) < comparison.band(item):
+            return True
+    return any(
+        0.0 < requirement.value.value(values) < comparison.margins.violation(requirement.value, comparison.ranges)
+        for requirement in comparison.dha.requirements
+        if isinstance(requirement.value, Affine)
+    )

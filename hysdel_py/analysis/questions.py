@@ -1,0 +1,293 @@
+"""The four families of questions about a Dha and an Mld, each a tuple of checks."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+
+from hysdel_py.analysis.comparison import Comparison, add_form
+from hysdel_py.analysis.encoding import Step, add_terms
+from hysdel_py.analysis.milp import Milp, Source
+from hysdel_py.analysis.report import Check, CheckStatus, Question
+from hysdel_py.analysis.search import Found, Result, settle
+from hysdel_py.analysis.stepping import Witness
+from hysdel_py.analysis.tseitin import formula_variable
+from hysdel_py.systems.affine import Affine
+from hysdel_py.systems.dha import AffineEquation, AffineRequirement, LogicEquation, LogicRequirement, read_by
+from hysdel_py.systems.origin import Origin, RowOrigin
+from hysdel_py.systems.signals import Variable
+
+__all__ = ["allowed_checks", "equation_checks", "forbidden_checks", "value_checks"]
+
+Terms = dict[int, float]
+ANY_POINT = -1.0
+"""Threshold below the value 0 of an empty objective."""
+
+_STATUS = {
+    Found.NONE: CheckStatus.HOLDS,
+    Found.POINT: CheckStatus.DIFFERENT,
+    Found.DOUBTFUL: CheckStatus.DOUBTFUL,
+    Found.UNSETTLED: CheckStatus.NOT_SETTLED,
+}
+
+
+def _is_ruled_out(comparison: Comparison, problem: Milp, objective: Terms, threshold: float) -> bool:
+    """Whether a part of the model has no point above a threshold."""
+    return settle(problem, objective, threshold, lambda w: True, comparison.clock).found is Found.NONE
+
+
+class _Confirmed:
+    """Confirms the points of a search by stepping, and keeps the witness."""
+
+    def __init__(self, comparison: Comparison, step: Step) -> None:
+        self._comparison, self._step = comparison, step
+        self.witness: Witness | None = None
+
+    def search(self, problem: Milp, objective: Terms, threshold: float) -> Result:
+        """Search the whole model."""
+        return settle(problem, objective, threshold, self._accept, self._comparison.clock)
+
+    def _accept(self, w: object) -> bool:
+        self.witness = self._comparison.witness(w, self._step)  # type: ignore[arg-type]
+        return self.witness is not None
+
+
+# ---- steps that the rows forbid -----------------------------------------------------------------------------------
+
+
+def forbidden_checks(comparison: Comparison) -> Iterator[Check]:
+    """For each row: can the values of a step of the Dha violate it?"""
+    for index, form in enumerate(comparison.rows):
+        origin = comparison.mld.rows[index]
+        status, how, witness = _forbidden(comparison, form)
+        yield Check(Question.FORBIDDEN, _row_name(index, origin), status, how, (index,), (origin,), witness)
+
+
+def _row_name(index: int, origin: RowOrigin) -> str:
+    return f"row {index}" + (f" ({origin})" if str(origin) else "")
+
+
+def _forbidden(comparison: Comparison, form: Affine) -> tuple[CheckStatus, str, Witness | None]:
+    threshold = comparison.margins.violation(form, comparison.ranges)
+    if form.range(comparison.ranges.__getitem__)[1] <= threshold:
+        return CheckStatus.HOLDS, "interval", None
+    level = threshold - form.constant
+    names = [name for name, _ in form.terms]
+    problem, values = comparison.part(names, _concerned(comparison, names))
+    if _is_ruled_out(comparison, problem, _objective(form, values), level):
+        return CheckStatus.HOLDS, "item", None
+    problem, step = comparison.whole()
+    confirmed = _Confirmed(comparison, step)
+    result = confirmed.search(problem, _objective(form, step.values), level)
+    return _STATUS[result.found], "model", confirmed.witness
+
+
+def _concerned(comparison: Comparison, names: list[str]) -> list[object]:
+    """Definitions of the auxiliaries of a row, and the requirements over its variables."""
+    own = set(names)
+    shared = [item for item in comparison.dha.requirements if own & set(read_by(item)) or not read_by(item)]
+    return [*comparison.definitions(names), *shared]
+
+
+def _objective(form: Affine, places: Mapping[str, int], factor: float = 1.0) -> Terms:
+    terms: Terms = {}
+    add_form(terms, form, places, factor)
+    return terms
+
+
+# ---- other values that the rows allow -----------------------------------------------------------------------------
+
+
+def value_checks(comparison: Comparison) -> Iterator[Check]:
+    """For each auxiliary: do the rows of the Mld leave the value of the Dha alone?"""
+    for variable in comparison.auxiliaries:
+        rows = comparison.rows_of[variable.name]
+        status, how, witness = _another_value(comparison, variable)
+        definition = comparison.dha.definitions.get(variable.name)
+        origins = (definition.origin,) if definition is not None else ()
+        yield Check(Question.ANOTHER_VALUE, variable.name, status, how, rows, origins, witness)
+
+
+def _another_value(comparison: Comparison, variable: Variable) -> tuple[CheckStatus, str, Witness | None]:
+    if variable.name not in comparison.dha.definitions and variable.name in comparison.idle:
+        return CheckStatus.HOLDS, "item", None  # both forms give it the value 0
+    if _follows_from_own_rows(comparison, variable):
+        return CheckStatus.HOLDS, "item", None
+    status, witness = _another_in_model(comparison, variable, clear=True)
+    if status is CheckStatus.HOLDS:
+        at_threshold, found = _another_in_model(comparison, variable, clear=False)
+        if at_threshold is CheckStatus.DIFFERENT:
+            return at_threshold, "model", found
+    return status, "model", witness
+
+
+def _follows_from_own_rows(comparison: Comparison, variable: Variable) -> bool:
+    """Whether the rows over this and earlier auxiliaries leave no other value."""
+    name = variable.name
+    if name not in comparison.position or name not in comparison.dha.definitions:
+        return False
+    later = {n for n, place in comparison.position.items() if place > comparison.position[name]}
+    forms = [f for f in (comparison.rows[i] for i in comparison.rows_of[name]) if not later & {n for n, _ in f.terms}]
+    names = [n for form in forms for n, _ in form.terms]
+    problem, values = comparison.part([name, *names], comparison.definitions([name]))
+    other = comparison.another(problem, variable)
+    for form in forms:
+        problem.row(_objective(form, values | {name: other}), high=-form.constant)
+    searches = _differences(comparison, problem, variable, values[name], other)
+    return all(_is_ruled_out(comparison, *search) for search in searches)
+
+
+def _differences(
+    comparison: Comparison, problem: Milp, variable: Variable, own: int, other: int
+) -> list[tuple[Milp, Terms, float]]:
+    """Searches for two values of one auxiliary that differ."""
+    if variable.is_bool:
+        apart = problem.copy()
+        apart.row({own: 1.0, other: 1.0}, 1.0, 1.0)
+        return [(apart, {}, ANY_POINT)]
+    distance = comparison.margins.apart(variable.name, comparison.ranges)
+    return [(problem, {other: sign, own: -sign}, distance) for sign in (1.0, -1.0)]
+
+
+def _another_in_model(comparison: Comparison, variable: Variable, *, clear: bool) -> tuple[CheckStatus, Witness | None]:
+    problem, step = comparison.whole(clear=clear)
+    places = comparison.add_mld(problem, step)
+    own, other = step.values[variable.name], places[variable.name]
+    statuses = []
+    for search in _differences(comparison, problem, variable, own, other):
+        confirmed = _Confirmed(comparison, step)
+        statuses.append(_STATUS[confirmed.search(*search).found])
+        if statuses[-1] is CheckStatus.DIFFERENT:
+            return CheckStatus.DIFFERENT, confirmed.witness
+    return _worst(statuses), None
+
+
+def _worst(statuses: list[CheckStatus]) -> CheckStatus:
+    order = (CheckStatus.DIFFERENT, CheckStatus.NOT_SETTLED, CheckStatus.DOUBTFUL)
+    return next((status for status in order if status in statuses), CheckStatus.HOLDS)
+
+
+# ---- steps where MUST is violated ---------------------------------------------------------------------------------
+
+
+def allowed_checks(comparison: Comparison, *, unique: bool) -> Iterator[Check]:
+    """For each requirement: has the Mld a step where it is violated?
+
+    `unique` says that the rows leave the values of the Dha alone wherever they leave any, requirements or not.
+    """
+    for requirement in comparison.dha.requirements:
+        rows = _rows_within(comparison, read_by(requirement))
+        if unique and _is_ruled_out(comparison, *_violated_part(comparison, requirement, rows)):
+            status, how, witness = CheckStatus.HOLDS, "item", None
+        else:
+            status, witness = _allowed_in_model(comparison, requirement)
+            how = "model"
+        yield Check(
+            Question.ALLOWED, f"MUST in {requirement.origin}", status, how, rows, (requirement.origin,), witness
+        )
+
+
+def _rows_within(comparison: Comparison, names: tuple[str, ...]) -> tuple[int, ...]:
+    """Rows over some variables alone."""
+    own = set(names)
+    return tuple(i for i, form in enumerate(comparison.rows) if own >= {name for name, _ in form.terms})
+
+
+def _violated_part(
+    comparison: Comparison, requirement: AffineRequirement | LogicRequirement, rows: tuple[int, ...]
+) -> tuple[Milp, Terms, float]:
+    problem, values = comparison.part(read_by(requirement), ())
+    for index in rows:
+        form = comparison.rows[index]
+        problem.row(_objective(form, values), high=-form.constant)
+    return (problem, *_violate(comparison, problem, requirement, values))
+
+
+def _violate(
+    comparison: Comparison,
+    problem: Milp,
+    requirement: AffineRequirement | LogicRequirement,
+    values: Mapping[str, int],
+) -> tuple[Terms, float]:
+    """Objective and threshold of the violation; a formula is made false by a row."""
+    if isinstance(requirement, LogicRequirement):
+        problem.fix(formula_variable(problem, requirement.value, values, Source(requirement.origin)), 0.0)
+        return {}, ANY_POINT
+    form = requirement.value
+    return _objective(form, values), comparison.margins.violation(form, comparison.ranges) - form.constant
+
+
+def _allowed_in_model(
+    comparison: Comparison, requirement: AffineRequirement | LogicRequirement
+) -> tuple[CheckStatus, Witness | None]:
+    problem, step = comparison.whole(must=False)
+    comparison.add_mld(problem, step)
+    objective, threshold = _violate(comparison, problem, requirement, step.values)
+    confirmed = _Confirmed(comparison, step)
+    return _STATUS[confirmed.search(problem, objective, threshold).found], confirmed.witness
+
+
+# ---- updates and outputs ------------------------------------------------------------------------------------------
+
+
+def equation_checks(comparison: Comparison) -> Iterator[Check]:
+    """For each state and output: is its right side that of the matrices?"""
+    groups = (
+        (comparison.dha.x, comparison.updates, comparison.mld.updates, "'"),
+        (comparison.dha.y, comparison.outputs, comparison.mld.outputs, ""),
+    )
+    for variables, forms, origins, mark in groups:
+        by_name = {origin.defines: origin for origin in origins}
+        for variable in variables:
+            status, how, witness = _equation(comparison, variable, forms[variable.name], is_state=bool(mark))
+            definition = comparison.dha.definitions.get(variable.name)
+            origin: Origin | RowOrigin | None = definition.origin if definition else by_name.get(variable.name)
+            lines = () if origin is None else (origin,)
+            yield Check(Question.EQUATION, variable.name + mark, status, how, (), lines, witness)
+
+
+def _equation(
+    comparison: Comparison, variable: Variable, form: Affine, *, is_state: bool
+) -> tuple[CheckStatus, str, Witness | None]:
+    tolerance = comparison.margins.distance(form, comparison.ranges)
+    expected = _right_side(comparison, variable.name)
+    if expected is not None:
+        low, high = _without_noise(expected - form).range(comparison.ranges.__getitem__)
+        if max(abs(low), abs(high)) <= tolerance:
+            return CheckStatus.HOLDS, "coefficients", None
+    problem, step = comparison.whole()
+    own = (step.next if is_state else step.outputs)[variable.name]
+    statuses = []
+    for sign in (1.0, -1.0):
+        objective = _objective(form, step.values, -sign)
+        add_terms(objective, own, sign)
+        confirmed = _Confirmed(comparison, step)
+        statuses.append(_STATUS[confirmed.search(problem, objective, tolerance + sign * form.constant).found])
+        if statuses[-1] is CheckStatus.DIFFERENT:
+            return CheckStatus.DIFFERENT, "model", confirmed.witness
+    return _worst(statuses), "model", None
+
+
+def _right_side(comparison: Comparison, name: str) -> Affine | None:
+    """Right side of an update or output as an affine form; None if it is a longer formula."""
+    match comparison.dha.definitions.get(name):
+        case None:
+            return Affine()
+        case AffineEquation(value=value):
+            return value
+        case LogicEquation(value=formula):
+            literal = formula.literal
+            if literal is not None:
+                sign = 1.0 if literal.positive else -1.0
+                return Affine(float(not literal.positive), ((literal.name, sign),))
+            return (
+                Affine(float(formula.postfix[0]))
+                if isinstance(formula.postfix[0], bool) and len(formula.postfix) == 1
+                else None
+            )
+        case _:
+            return None
+
+
+def _without_noise(form: Affine) -> Affine:
+    """Without coefficients that are exactly zero, whose variables may be endless."""
+    return Affine(form.constant, tuple((name, c) for name, c in form.terms if c))
