@@ -9,6 +9,9 @@ from typing import TYPE_CHECKING
 from hysdel_py.version import __version__
 
 if TYPE_CHECKING:
+    from hysdel_py.analysis.margins import Margins
+    from hysdel_py.analysis.report import Verification
+    from hysdel_py.analysis.verify import verify
     from hysdel_py.control.closed_loop import closed_loop
     from hysdel_py.control.costs import Cost
     from hysdel_py.control.hybrid_mpc import HybridMpc, Move, MoveStatus
@@ -23,9 +26,9 @@ if TYPE_CHECKING:
     from hysdel_py.systems.trajectory import Trajectory
 
 __all__ = [
-    "ArgumentError", "CompileError", "Cost", "Dha", "HybridMpc", "HysdelError", "Limits", "Mld", "Model", "Move",
-    "MoveStatus", "SimulationError", "Trajectory", "__version__", "closed_loop", "load", "read_json", "shipped_models",
-    "simulate", "to_dha", "to_mld", "to_symbolic_mld",
+    "ArgumentError", "CompileError", "Cost", "Dha", "HybridMpc", "HysdelError", "Limits", "Margins", "Mld", "Model",
+    "Move", "MoveStatus", "SimulationError", "Trajectory", "Verification", "__version__", "closed_loop", "load",
+    "read_json", "shipped_models", "simulate", "to_dha", "to_mld", "to_symbolic_mld", "verify",
 ]  # fmt: skip
 
 _HOME = {
@@ -36,6 +39,7 @@ _HOME = {
     "simulate": "systems.simulation", "Cost": "control.costs", "Limits": "control.limits",
     "HybridMpc": "control.hybrid_mpc", "Move": "control.hybrid_mpc", "MoveStatus": "control.hybrid_mpc",
     "closed_loop": "control.closed_loop",
+    "Margins": "analysis.margins", "Verification": "analysis.report", "verify": "analysis.verify",
 }  # fmt: skip
 
 

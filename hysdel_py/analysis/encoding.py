@@ -72,7 +72,7 @@ def _nothing(event: Event) -> float:  # noqa: ARG001
     return 0.0
 
 
-def shared_variables(problem: Milp, variables: tuple[Variable, ...]) -> dict[str, int]:
+def shared_variables(problem: Milp, variables: Iterable[Variable]) -> dict[str, int]:
     """New variables of a problem with the declared ranges."""
     return {v.name: problem.boolean() if v.is_bool else problem.real(v.low, v.high) for v in variables}
 

@@ -15,10 +15,8 @@ __all__ = ["equations", "idle_auxiliaries", "row_forms"]
 
 def row_forms(mld: Mld) -> tuple[Affine, ...]:
     """For each row the form that is at most zero."""
-    parts = [
-        _sparse_terms(matrix, group, sign)
-        for matrix, group, sign in ((mld.E2, mld.d, 1.0), (mld.E3, mld.z, 1.0), (mld.E1, mld.u, -1.0), (mld.E4, mld.x, -1.0))
-    ]  # fmt: skip
+    blocks = ((mld.E2, mld.d, 1.0), (mld.E3, mld.z, 1.0), (mld.E1, mld.u, -1.0), (mld.E4, mld.x, -1.0))
+    parts = [_sparse_terms(*block) for block in blocks]
     return tuple(
         Affine(-float(constant), tuple(term for part in parts for term in part[i])) for i, constant in enumerate(mld.E5)
     )

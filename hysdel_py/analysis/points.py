@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from math import isfinite
 
 import numpy as np
@@ -35,7 +35,7 @@ def random_points(comparison: Comparison, count: int, seed: int) -> Iterator[Poi
         if events and number % 2:
             event = events[(number // 2) % len(events)]
             offset = _BESIDE * comparison.band(event) * (0.0, 1.0, -1.0)[(number // 2 // len(events)) % 3]
-            _move_to(point, event, offset, variables, generator, comparison)
+            _move_to(point, event, offset, generator, comparison)
         yield point
 
 
@@ -49,17 +49,10 @@ def _sample(variable: Variable, generator: np.random.Generator) -> float:
     return float(generator.uniform(low, high))
 
 
-def _move_to(
-    point: Point,
-    event: Event,
-    offset: float,
-    variables: Sequence[Variable],
-    generator: np.random.Generator,
-    comparison: Comparison,
-) -> None:
+def _move_to(point: Point, event: Event, offset: float, generator: np.random.Generator, comparison: Comparison) -> None:
     """Move one real variable of the form so that the form has a value, as far as its range allows."""
     terms = dict(event.form.terms)
-    movable = [v for v in variables if not v.is_bool and terms.get(v.name)]
+    movable = [v for v in (*comparison.dha.x, *comparison.dha.u) if not v.is_bool and terms.get(v.name)]
     values = _values_at(comparison, point)
     if not movable or values is None:
         return

@@ -4,6 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 
+import numpy as np
+from numpy.typing import NDArray
+
 from hysdel_py.analysis.comparison import Comparison, add_form
 from hysdel_py.analysis.encoding import Step, add_terms
 from hysdel_py.analysis.milp import Milp, Source
@@ -12,13 +15,14 @@ from hysdel_py.analysis.search import Found, Result, settle
 from hysdel_py.analysis.stepping import Witness
 from hysdel_py.analysis.tseitin import formula_variable
 from hysdel_py.systems.affine import Affine
-from hysdel_py.systems.dha import AffineEquation, AffineRequirement, LogicEquation, LogicRequirement, read_by
+from hysdel_py.systems.dha import AffineEquation, AffineRequirement, DhaItem, LogicEquation, LogicRequirement, read_by
 from hysdel_py.systems.origin import Origin, RowOrigin
 from hysdel_py.systems.signals import Variable
 
 __all__ = ["allowed_checks", "equation_checks", "forbidden_checks", "value_checks"]
 
 Terms = dict[int, float]
+Vector = NDArray[np.float64]
 ANY_POINT = -1.0
 """Threshold below the value 0 of an empty objective."""
 
@@ -30,9 +34,13 @@ _STATUS = {
 }
 
 
+def _any_point(w: Vector) -> bool:  # noqa: ARG001
+    return True
+
+
 def _is_ruled_out(comparison: Comparison, problem: Milp, objective: Terms, threshold: float) -> bool:
     """Whether a part of the model has no point above a threshold."""
-    return settle(problem, objective, threshold, lambda w: True, comparison.clock).found is Found.NONE
+    return settle(problem, objective, threshold, _any_point, comparison.clock).found is Found.NONE
 
 
 class _Confirmed:
@@ -46,8 +54,8 @@ class _Confirmed:
         """Search the whole model."""
         return settle(problem, objective, threshold, self._accept, self._comparison.clock)
 
-    def _accept(self, w: object) -> bool:
-        self.witness = self._comparison.witness(w, self._step)  # type: ignore[arg-type]
+    def _accept(self, w: Vector) -> bool:
+        self.witness = self._comparison.witness(w, self._step)
         return self.witness is not None
 
 
@@ -81,7 +89,7 @@ def _forbidden(comparison: Comparison, form: Affine) -> tuple[CheckStatus, str, 
     return _STATUS[result.found], "model", confirmed.witness
 
 
-def _concerned(comparison: Comparison, names: list[str]) -> list[object]:
+def _concerned(comparison: Comparison, names: list[str]) -> list[DhaItem]:
     """Definitions of the auxiliaries of a row, and the requirements over its variables."""
     own = set(names)
     shared = [item for item in comparison.dha.requirements if own & set(read_by(item)) or not read_by(item)]

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from hysdel_py.errors import SimulationError
 from hysdel_py.systems.signals import Variable
 
-__all__ = ["Outcome", "Witness", "clipped", "differing", "take_step"]
+__all__ = ["Outcome", "Stepping", "Values", "Witness", "clipped", "differing", "take_step"]
 
 Vector = NDArray[np.float64]
 Values = tuple[tuple[str, float], ...]
@@ -114,7 +114,7 @@ def _named(variables: Sequence[Variable], values: Any) -> Values:
 
 
 def differing(first: Outcome, second: Outcome, tolerance: Mapping[str, float]) -> tuple[str, ...]:
-    """Names, present in both outcomes, whose values differ by more than their tolerance; states are marked by a ``'``."""
+    """Names in both outcomes whose values differ by more than their tolerance; next states are marked by a ``'``."""
     pairs = [
         (f"{name}{mark}", name, value, dict(other).get(name))
         for values, other, mark in (

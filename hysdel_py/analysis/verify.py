@@ -132,6 +132,6 @@ def _common(ours: Variable, theirs: Variable, notes: list[str]) -> Variable:
     if low > high:
         raise ArgumentError(f"{ours.name} has no value that is in the range of both forms")
     declared = (ours.low, ours.high)
-    if (low, high) != declared and declared != (-inf, inf):
+    if declared not in ((low, high), (-inf, inf)):
         notes.append(f"{ours.name} is compared over [{low:g}, {high:g}], which both forms allow")
     return replace(ours, low=low, high=high)

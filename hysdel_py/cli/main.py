@@ -8,7 +8,7 @@ import sys
 from collections.abc import Sequence
 from contextlib import suppress
 
-from hysdel_py.cli import check, compile, demo, drop_in, explain, fmt, lsp, mpc, simulate, stubs
+from hysdel_py.cli import check, compile, demo, drop_in, explain, fmt, lsp, mpc, simulate, stubs, verify
 from hysdel_py.cli.arguments import join_negative_values
 from hysdel_py.cli.output import print_json
 from hysdel_py.errors import ArgumentError, CompileError, HysdelError
@@ -26,13 +26,14 @@ examples:
   hysdel explain HYS302                     what a diagnostic means
   hysdel compile model.hys -o model.json    write the MLD matrices
   hysdel simulate two_tanks --x0 0.1,0.2 --input 1e-4,1
+  hysdel verify model.hys                   show that the matrices have the steps of the model
   hysdel fmt model.hys                      bring it into the canonical layout
   hysdel mpc two_tanks --x0 0.1,0.4 --horizon 6 --weight level2=10 --ref level2=0.3
 
 Each command has its own help: hysdel simulate --help
 A shipped model can be named without a path: clutch, three_tanks, two_rooms, two_tanks.
 exit status: 0 fine, 1 the model or the data has a mistake or a run ended early, 2 wrong usage,
-3 a fault of this program
+3 a fault of this program, 4 a comparison that was not settled
 
 The command line of HYSDEL 2.0.5 is understood as well: hysdel -i model.hys -m model -5; see docs/drop-in.md
 """
@@ -48,7 +49,7 @@ def build_parser() -> argparse.ArgumentParser:
     )
     parser.add_argument("--version", action="version", version=f"hysdel_py {__version__}")
     commands = parser.add_subparsers(dest="command", metavar="COMMAND")
-    for command in (check, explain, compile, simulate, mpc, demo, fmt, stubs, lsp):
+    for command in (check, explain, compile, simulate, mpc, demo, verify, fmt, stubs, lsp):
         command.add_parser(commands)
     return parser
 
