@@ -9,6 +9,8 @@ from typing import TYPE_CHECKING
 from hysdel_py.version import __version__
 
 if TYPE_CHECKING:
+    from hysdel_py.analysis.diff import diff
+    from hysdel_py.analysis.diff_report import Difference
     from hysdel_py.analysis.margins import Margins
     from hysdel_py.analysis.report import Verification
     from hysdel_py.analysis.verify import verify
@@ -26,9 +28,9 @@ if TYPE_CHECKING:
     from hysdel_py.systems.trajectory import Trajectory
 
 __all__ = [
-    "ArgumentError", "CompileError", "Cost", "Dha", "HybridMpc", "HysdelError", "Limits", "Margins", "Mld", "Model",
-    "Move", "MoveStatus", "SimulationError", "Trajectory", "Verification", "__version__", "closed_loop", "load",
-    "read_json", "shipped_models", "simulate", "to_dha", "to_mld", "to_symbolic_mld", "verify",
+    "ArgumentError", "CompileError", "Cost", "Dha", "Difference", "HybridMpc", "HysdelError", "Limits", "Margins", "Mld",
+    "Model", "Move", "MoveStatus", "SimulationError", "Trajectory", "Verification", "__version__", "closed_loop", "diff",
+    "load", "read_json", "shipped_models", "simulate", "to_dha", "to_mld", "to_symbolic_mld", "verify",
 ]  # fmt: skip
 
 _HOME = {
@@ -40,6 +42,7 @@ _HOME = {
     "HybridMpc": "control.hybrid_mpc", "Move": "control.hybrid_mpc", "MoveStatus": "control.hybrid_mpc",
     "closed_loop": "control.closed_loop",
     "Margins": "analysis.margins", "Verification": "analysis.report", "verify": "analysis.verify",
+    "Difference": "analysis.diff_report", "diff": "analysis.diff",
 }  # fmt: skip
 
 

@@ -15,6 +15,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from hysdel_py.analysis.quiet import quiet
 from hysdel_py.systems.origin import Origin
 
 __all__ = ["Answer", "Milp", "Row", "Source", "Status"]
@@ -151,13 +152,14 @@ class Milp:
         matrices = self._scaled(self.rows if rows is None else list(rows), objective or {})
         if matrices is None:
             return _nothing(Status.NONE)
-        answer = milp(
-            matrices.cost,
-            integrality=np.zeros(self.n) if relaxed else np.array(self.integer, dtype=float),
-            bounds=Bounds(matrices.lb, matrices.ub),
-            constraints=LinearConstraint(matrices.A, matrices.low, matrices.high) if len(matrices.low) else None,
-            options={"time_limit": max(seconds, 0.0)} if seconds < inf else {},
-        )
+        with quiet():
+            answer = milp(
+                matrices.cost,
+                integrality=np.zeros(self.n) if relaxed else np.array(self.integer, dtype=float),
+                bounds=Bounds(matrices.lb, matrices.ub),
+                constraints=LinearConstraint(matrices.A, matrices.low, matrices.high) if len(matrices.low) else None,
+                options={"time_limit": max(seconds, 0.0)} if seconds < inf else {},
+            )
         return matrices.unscaled(answer, getattr(answer, "mip_dual_bound", None))
 
     def refine(self, w: Vector, objective: Terms | None = None, *, seconds: float = inf) -> Answer:

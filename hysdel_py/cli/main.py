@@ -8,7 +8,7 @@ import sys
 from collections.abc import Sequence
 from contextlib import suppress
 
-from hysdel_py.cli import check, compile, demo, drop_in, explain, fmt, lsp, mpc, simulate, stubs, verify
+from hysdel_py.cli import check, compile, demo, diff, drop_in, explain, fmt, lsp, mpc, simulate, stubs, verify
 from hysdel_py.cli.arguments import join_negative_values
 from hysdel_py.cli.output import print_json
 from hysdel_py.errors import ArgumentError, CompileError, HysdelError
@@ -27,6 +27,7 @@ examples:
   hysdel compile model.hys -o model.json    write the MLD matrices
   hysdel simulate two_tanks --x0 0.1,0.2 --input 1e-4,1
   hysdel verify model.hys                   show that the matrices have the steps of the model
+  hysdel diff old.hys new.hys               where two models differ, with a point that shows it
   hysdel fmt model.hys                      bring it into the canonical layout
   hysdel mpc two_tanks --x0 0.1,0.4 --horizon 6 --weight level2=10 --ref level2=0.3
 
@@ -49,7 +50,7 @@ def build_parser() -> argparse.ArgumentParser:
     )
     parser.add_argument("--version", action="version", version=f"hysdel_py {__version__}")
     commands = parser.add_subparsers(dest="command", metavar="COMMAND")
-    for command in (check, explain, compile, simulate, mpc, demo, verify, fmt, stubs, lsp):
+    for command in (check, explain, compile, simulate, mpc, demo, verify, diff, fmt, stubs, lsp):
         command.add_parser(commands)
     return parser
 

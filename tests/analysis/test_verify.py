@@ -30,7 +30,7 @@ TEXT = """SYSTEM s {
     CONTINUOUS { x = 0.5*z; }
     AUTOMATA { b = e -> v; }
     OUTPUT { y = q; w = ~d; }
-    MUST { x - u <= 2.5; b | v; }
+    MUST { x - u <= 2.5; ~b | ~v; }
   }
 }"""
 FAR = 0.05
@@ -124,7 +124,7 @@ def test_every_dropped_row_is_noticed(model, item):
 
 
 def test_dropped_copy_of_a_row_changes_nothing():
-    model = hys.load(TEXT.replace("b | v;", "b | v; b | v;"))
+    model = hys.load(TEXT.replace("~b | ~v;", "~b | ~v; ~b | ~v;"))
     rows = rows_of(model.mld, "Logic_must")
     assert len(rows) == 2
     assert verdict(model, drop_row(model.mld, rows[0])).is_equal
@@ -148,7 +148,9 @@ def test_no_epsilon_at_all_is_noticed_on_the_threshold(model):
     assert values["x"] + values["u"] == pytest.approx(0.5, abs=1e-8)
 
 
-@pytest.mark.parametrize(("name", "place"), [("B3", (0, 0)), ("B5", (0,)), ("B2", (1, 2)), ("D3", (0, 1)), ("A", (1, 1))])
+@pytest.mark.parametrize(
+    ("name", "place"), [("B3", (0, 0)), ("B5", (0,)), ("B2", (1, 2)), ("D3", (0, 1)), ("A", (1, 1))]
+)
 def test_wrong_update_or_output(model, name, place):
     assert_different(model, change_coefficient(model.mld, name, place, FAR), Question.EQUATION)
 
