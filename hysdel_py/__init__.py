@@ -14,6 +14,7 @@ if TYPE_CHECKING:
     from hysdel_py.analysis.margins import Margins
     from hysdel_py.analysis.report import Verification
     from hysdel_py.analysis.verify import verify
+    from hysdel_py.analysis.well_posed import WellPosedness, well_posed
     from hysdel_py.control.closed_loop import closed_loop
     from hysdel_py.control.costs import Cost
     from hysdel_py.control.hybrid_mpc import HybridMpc, Move, MoveStatus
@@ -28,9 +29,10 @@ if TYPE_CHECKING:
     from hysdel_py.systems.trajectory import Trajectory
 
 __all__ = [
-    "ArgumentError", "CompileError", "Cost", "Dha", "Difference", "HybridMpc", "HysdelError", "Limits", "Margins", "Mld",
-    "Model", "Move", "MoveStatus", "SimulationError", "Trajectory", "Verification", "__version__", "closed_loop", "diff",
-    "load", "read_json", "shipped_models", "simulate", "to_dha", "to_mld", "to_symbolic_mld", "verify",
+    "ArgumentError", "CompileError", "Cost", "Dha", "Difference", "HybridMpc", "HysdelError", "Limits",
+    "Margins", "Mld", "Model", "Move", "MoveStatus", "SimulationError", "Trajectory", "Verification",
+    "WellPosedness", "__version__", "closed_loop", "diff", "load", "read_json", "shipped_models", "simulate",
+    "to_dha", "to_mld", "to_symbolic_mld", "verify", "well_posed",
 ]  # fmt: skip
 
 _HOME = {
@@ -43,6 +45,7 @@ _HOME = {
     "closed_loop": "control.closed_loop",
     "Margins": "analysis.margins", "Verification": "analysis.report", "verify": "analysis.verify",
     "Difference": "analysis.diff_report", "diff": "analysis.diff",
+    "WellPosedness": "analysis.well_posed", "well_posed": "analysis.well_posed",
 }  # fmt: skip
 
 

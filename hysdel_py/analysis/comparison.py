@@ -29,6 +29,7 @@ from hysdel_py.analysis.milp import Milp
 from hysdel_py.analysis.mld_forms import equations, idle_auxiliaries, row_forms
 from hysdel_py.analysis.search import Clock
 from hysdel_py.analysis.stepping import Witness, clipped, differing, take_step
+from hysdel_py.errors import SimulationError
 from hysdel_py.systems.affine import Affine
 from hysdel_py.systems.dha import AffineRequirement, Dha, DhaItem, Event, LogicRequirement, read_by
 from hysdel_py.systems.mld import Mld
@@ -37,6 +38,9 @@ from hysdel_py.systems.signals import Variable
 __all__ = ["Comparison", "add_form", "is_requirement"]
 
 Vector = NDArray[np.float64]
+
+SHARE = 1e-3
+"""A point that a search puts at the edge of a band may lie inside by this share of it, by rounding."""
 
 FAR = 1e4
 """How far beyond the range of its definition another value of a real auxiliary is looked for."""
@@ -115,7 +119,7 @@ class Comparison:
             if name in self.rows_of and name in self.dha.definitions:
                 yield self.dha.definitions[name]
 
-    def whole(self, *, must: bool = True, clear: bool = False) -> tuple[Milp, Step]:
+    def whole(self, *, must: bool = True, clear: bool = True) -> tuple[Milp, Step]:
         """A whole step of the Dha; `clear` keeps it away from thresholds on both sides."""
         problem = Milp()
         given = shared_variables(problem, (*self.dha.x, *self.dha.u))
@@ -153,8 +157,25 @@ class Comparison:
 
     def witness(self, w: Vector, step: Step) -> Witness | None:
         """The state and input of a point, if the two forms differ there."""
-        return self.compare(
-            {v.name: w[step.values[v.name]] for v in self.dha.x}, {v.name: w[step.values[v.name]] for v in self.dha.u}
+        x, u = ({v.name: w[step.values[v.name]] for v in group} for group in (self.dha.x, self.dha.u))
+        values = self.values_at(clipped(self.dha.x, x), clipped(self.dha.u, u))
+        return None if values is not None and self.is_in_band(values) else self.compare(x, u)
+
+    def values_at(self, x: Mapping[str, float], u: Mapping[str, float]) -> Mapping[str, float] | None:
+        """All variables of the Dha at a state and input, requirements or not; None if there is no step."""
+        try:
+            _, _, d, z = self.dha.step(x, u, check=False)
+        except SimulationError:
+            return None
+        found = zip(self.auxiliaries, (*d, *z), strict=True)
+        return {**x, **u, **{v.name: float(value) for v, value in found}}
+
+    def is_in_band(self, values: Mapping[str, float]) -> bool:
+        """Whether the form of an event lies on the false side and too near to its threshold."""
+        return any(
+            0.0 < item.form.value(values) < self.band(item) * (1.0 - SHARE)
+            for item in self.dha.items
+            if isinstance(item, Event)
         )
 
     def compare(self, x: Mapping[str, float], u: Mapping[str, float]) -> Witness | None:
@@ -163,7 +184,7 @@ class Comparison:
         first, second = take_step(self.dha, x, u), take_step(self.mld, x, u)
         if not first.exists and not second.exists:
             return None
-        names = differing(first, second, self.tolerances)
+        names = differing(first, second, self.tolerances.__getitem__)
         if first.exists and second.exists and not names:
             return None
         return Witness(tuple(x.items()), tuple(u.items()), first, second, names)

@@ -63,7 +63,7 @@ class Answer:
     Attributes
     ----------
     status : Status
-        ``FOUND``: `w` is a solution (optimal if there is an objective and `gap` is 0). ``NONE``: the solver proved that
+        ``FOUND``: `w` is a solution. ``NONE``: the solver proved that
         there is no point, to its tolerance. ``UNKNOWN``: it stopped before either.
     w : array of shape (n,)
         Empty without a point.
@@ -71,12 +71,15 @@ class Answer:
         Objective at w.
     bound : float
         No point has a lesser objective, says the solver; minus infinity where it says nothing.
+    is_optimal : bool
+        Whether the solver calls the point optimal.
     """
 
     status: Status
     w: Vector
     value: float = inf
     bound: float = -inf
+    is_optimal: bool = False
 
 
 @dataclass(slots=True)
@@ -158,7 +161,7 @@ class Milp:
                 integrality=np.zeros(self.n) if relaxed else np.array(self.integer, dtype=float),
                 bounds=Bounds(matrices.lb, matrices.ub),
                 constraints=LinearConstraint(matrices.A, matrices.low, matrices.high) if len(matrices.low) else None,
-                options={"time_limit": max(seconds, 0.0)} if seconds < inf else {},
+                options={"mip_rel_gap": 0.0} | ({"time_limit": max(seconds, 0.0)} if seconds < inf else {}),
             )
         return matrices.unscaled(answer, getattr(answer, "mip_dual_bound", None))
 
@@ -235,7 +238,7 @@ class _Scaled:
             return _nothing(Status.NONE if answer.status == 2 else Status.UNKNOWN)
         proven = -inf if bound is None or not isfinite(bound) else float(bound) * self.greatest
         w = np.asarray(answer.x, dtype=float) * self.size
-        return Answer(Status.FOUND, w, float(answer.fun) * self.greatest, proven)
+        return Answer(Status.FOUND, w, float(answer.fun) * self.greatest, proven, answer.status == 0)
 
 
 def _size(low: float, high: float) -> float:

@@ -163,7 +163,7 @@ class Pair:
             for side, step in zip((self.old, self.new), steps, strict=True)
         ]
         first, second = (take_step(s.dha, *point) for s, point in zip((self.old, self.new), points, strict=True))
-        names = differing(first, second, _Everywhere(0.5 * tolerance)) if name else ()
+        names = differing(first, second, lambda _: 0.5 * tolerance) if name else ()
         x, u = ({**points[0][i], **points[1][i]} for i in (0, 1))
         return Witness(tuple(x.items()), tuple(u.items()), first, second, names)
 
@@ -195,14 +195,3 @@ class Pair:
                     found |= fresh
                     pending += sorted(fresh)
         return found - {name}
-
-
-class _Everywhere(dict[str, float]):
-    """The same tolerance for every name."""
-
-    def __init__(self, tolerance: float) -> None:
-        super().__init__()
-        self._tolerance = tolerance
-
-    def get(self, key: object, default: object = None) -> float:  # type: ignore[override]  # noqa: ARG002
-        return self._tolerance

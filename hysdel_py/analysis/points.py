@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from math import isfinite
 
 import numpy as np
@@ -10,7 +10,6 @@ import numpy as np
 from hysdel_py.analysis.comparison import Comparison
 from hysdel_py.analysis.report import PointTally
 from hysdel_py.analysis.stepping import Witness
-from hysdel_py.errors import SimulationError
 from hysdel_py.systems.affine import Affine
 from hysdel_py.systems.dha import Event
 from hysdel_py.systems.signals import Variable
@@ -53,7 +52,7 @@ def _move_to(point: Point, event: Event, offset: float, generator: np.random.Gen
     """Move one real variable of the form so that the form has a value, as far as its range allows."""
     terms = dict(event.form.terms)
     movable = [v for v in (*comparison.dha.x, *comparison.dha.u) if not v.is_bool and terms.get(v.name)]
-    values = _values_at(comparison, point)
+    values = comparison.values_at(*_parted(comparison, point))
     if not movable or values is None:
         return
     v = movable[int(generator.integers(len(movable)))]
@@ -61,16 +60,9 @@ def _move_to(point: Point, event: Event, offset: float, generator: np.random.Gen
     point[v.name] = min(max(wanted, v.low), v.high)
 
 
-def _values_at(comparison: Comparison, point: Point) -> Point | None:
-    """All variables of the Dha at a point; requirements do not matter."""
-    dha = comparison.dha
-    try:
-        _, _, d, z = dha.step(
-            {v.name: point[v.name] for v in dha.x}, {v.name: point[v.name] for v in dha.u}, check=False
-        )
-    except SimulationError:
-        return None
-    return point | {v.name: float(value) for v, value in zip((*dha.d, *dha.z), (*d, *z), strict=True)}
+def _parted(comparison: Comparison, point: Point) -> tuple[Point, Point]:
+    x, u = ({v.name: point[v.name] for v in group} for group in (comparison.dha.x, comparison.dha.u))
+    return x, u
 
 
 def step_points(comparison: Comparison, count: int, seed: int) -> PointTally:
@@ -81,8 +73,8 @@ def step_points(comparison: Comparison, count: int, seed: int) -> PointTally:
     for point in random_points(comparison, count, seed):
         if not comparison.clock.left:
             break
-        values = _values_at(comparison, point)
-        x, u = {v.name: point[v.name] for v in dha.x}, {v.name: point[v.name] for v in dha.u}
+        x, u = _parted(comparison, point)
+        values = comparison.values_at(x, u)
         if values is not None and _is_near(comparison, values):
             in_band += 1
             continue
@@ -96,19 +88,16 @@ def step_points(comparison: Comparison, count: int, seed: int) -> PointTally:
     return PointTally(equal, infeasible, in_band, tuple(different))
 
 
-def _excess(comparison: Comparison, value: object, values: Point) -> float:
+def _excess(comparison: Comparison, value: object, values: Mapping[str, float]) -> float:
     """By how much a requirement is violated."""
     if isinstance(value, Affine):
         return value.value(values) - comparison.dha.tolerances.row
     return 0.0 if value.value(values) else 1.0  # type: ignore[attr-defined]
 
 
-def _is_near(comparison: Comparison, values: Point) -> bool:
+def _is_near(comparison: Comparison, values: Mapping[str, float]) -> bool:
     """Whether a form lies in the gap of its threshold, or a comparison in MUST is violated by next to nothing."""
-    for item in comparison.dha.items:
-        if isinstance(item, Event) and 0.0 < item.form.value(values) < comparison.band(item):
-            return True
-    return any(
+    return comparison.is_in_band(values) or any(
         0.0 < requirement.value.value(values) < comparison.margins.violation(requirement.value, comparison.ranges)
         for requirement in comparison.dha.requirements
         if isinstance(requirement.value, Affine)

@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 
 from hysdel_py.analysis.milp import Milp, Status
 
-__all__ = ["Clock", "Found", "Result", "maximum", "settle"]
+__all__ = ["Clock", "Found", "Result", "settle"]
 
 Vector = NDArray[np.float64]
 
@@ -80,9 +80,10 @@ def settle(
     doubted = np.zeros(0)
     for _ in range(MAX_WORDS):
         answer = work.search(cost, seconds=clock.left)
-        if answer.status is Status.NONE or -answer.bound <= threshold:
+        below = -answer.value <= threshold
+        if answer.status is Status.NONE or -answer.bound <= threshold or (below and answer.is_optimal):
             return Result(Found.DOUBTFUL if len(doubted) else Found.NONE, doubted)
-        if answer.status is Status.UNKNOWN or -answer.value <= threshold:
+        if answer.status is Status.UNKNOWN or below:
             return Result(Found.UNSETTLED, doubted)
         fine = work.refine(answer.w, cost, seconds=clock.left)
         if fine.status is Status.UNKNOWN:
@@ -93,12 +94,3 @@ def settle(
             doubted = fine.w
         work.forbid(answer.w)
     return Result(Found.DOUBTFUL, doubted)
-
-
-def maximum(problem: Milp, objective: Mapping[int, float], clock: Clock) -> tuple[float, Vector]:
-    """A proven upper bound of an objective and the best point found, empty if there is none.
-
-    Infinite where the solver proves nothing, minus infinity where the problem has no point.
-    """
-    answer = problem.search({i: -c for i, c in objective.items()}, seconds=clock.left)
-    return -answer.bound, answer.w

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, Protocol
 
@@ -113,10 +113,10 @@ def _named(variables: Sequence[Variable], values: Any) -> Values:
     return tuple((v.name, float(value)) for v, value in zip(variables, values, strict=True))
 
 
-def differing(first: Outcome, second: Outcome, tolerance: Mapping[str, float]) -> tuple[str, ...]:
+def differing(first: Outcome, second: Outcome, tolerance: Callable[[str], float]) -> tuple[str, ...]:
     """Names in both outcomes whose values differ by more than their tolerance; next states are marked by a ``'``."""
     pairs = [
-        (f"{name}{mark}", name, value, dict(other).get(name))
+        (f"{name}{mark}", value, dict(other).get(name))
         for values, other, mark in (
             (first.auxiliaries, second.auxiliaries, ""),
             (first.next, second.next, "'"),
@@ -125,8 +125,8 @@ def differing(first: Outcome, second: Outcome, tolerance: Mapping[str, float]) -
         for name, value in values
     ]
     return tuple(
-        shown for shown, name, value, other in pairs
-        if other is not None and abs(value - other) > tolerance.get(shown, tolerance.get(name, 0.0))
+        shown for shown, value, other in pairs
+        if other is not None and abs(value - other) > tolerance(shown)
     )  # fmt: skip
 
 
