@@ -21,6 +21,7 @@ from hysdel_py.analysis.encoding import (
     auxiliary_variables,
     encode_items,
     encode_step,
+    nothing,
     ranges_by_definition,
     shared_variables,
 )
@@ -99,6 +100,10 @@ class Comparison:
         """Half width of the band around a threshold."""
         return self.margins.beside(event, self.ranges)
 
+    def below(self, event: Event) -> float:
+        """How far searches away from thresholds stay on the true side."""
+        return self.margins.below(event, self.ranges)
+
     # ---- problems ---------------------------------------------------------------------------------------------
 
     def part(self, names: Iterable[str], items: Iterable[DhaItem]) -> tuple[Milp, dict[str, int]]:
@@ -119,7 +124,7 @@ class Comparison:
             if name in self.rows_of and name in self.dha.definitions:
                 yield self.dha.definitions[name]
 
-    def whole(self, *, must: bool = True, clear: bool = True) -> tuple[Milp, Step]:
+    def whole(self, *, must: bool = True, clear: bool) -> tuple[Milp, Step]:
         """A whole step of the Dha; `clear` keeps it away from thresholds on both sides."""
         problem = Milp()
         given = shared_variables(problem, (*self.dha.x, *self.dha.u))
@@ -128,7 +133,7 @@ class Comparison:
             self.dha,
             given,
             band=self.band,
-            below=self.band if clear else (lambda event: 0.0),  # noqa: ARG005
+            below=self.below if clear else nothing,
             leave_out=lambda item: is_requirement(item) and not must,
         )
         return problem, step

@@ -21,7 +21,7 @@ from hysdel_py.diagnostics.diagnostic import Diagnostic, Label, Severity
 from hysdel_py.syntax.source import Span
 from hysdel_py.systems.origin import Origin
 
-__all__ = ["ANY_POINT", "Deep", "Finding", "Point", "span_of"]
+__all__ = ["ANY_POINT", "Deep", "Finding", "Hunt", "Point", "span_of"]
 
 Vector = NDArray[np.float64]
 
@@ -56,6 +56,16 @@ class Finding:
     point: Point | None = None
 
 
+@dataclass(frozen=True, eq=False, slots=True)
+class Hunt:
+    """A problem, and what a point of it has to exceed."""
+
+    problem: Milp
+    step: Step
+    objective: Mapping[int, float]
+    threshold: float
+
+
 @dataclass(slots=True)
 class Deep:
     """A comparison with places in the source, and the questions that stay open."""
@@ -80,25 +90,30 @@ class Deep:
         return Point(tuple(x.items()), tuple(u.items()), take_step(dha, x, u))
 
     def search(
-        self,
-        where: tuple[Milp, Step],
-        objective: Mapping[int, float],
-        threshold: float,
-        confirms: Callable[[Point], bool],
-        question: str,
+        self, ask: Callable[[bool], Hunt], confirms: Callable[[Point], bool], question: str
     ) -> tuple[bool, Point | None]:
-        """Whether a point is ruled out, else one that was confirmed; what is neither is put on the list."""
-        (problem, step), dha, kept = where, self.comparison.dha, []
+        """Whether a point is ruled out, else one that was confirmed; what is neither is put on the list.
+
+        `ask` gives the problem: away from thresholds where it is called with true, which comes first, else on them too.
+        """
+        for clear in (True, False):
+            found, point = self._hunt(ask(clear), confirms)
+            if point is not None:
+                return False, point
+        if found is not Found.NONE:
+            self.unsettled.append(f"{question} ({found.value})")
+        return found is Found.NONE, None
+
+    def _hunt(self, hunt: Hunt, confirms: Callable[[Point], bool]) -> tuple[Found, Point | None]:
+        dha, kept = self.comparison.dha, []
 
         def accept(w: Vector) -> bool:
-            point = self.point({v.name: w[step.values[v.name]] for v in (*dha.x, *dha.u)})
+            point = self.point({v.name: w[hunt.step.values[v.name]] for v in (*dha.x, *dha.u)})
             kept.extend([point] if confirms(point) else [])
             return bool(kept)
 
-        found = settle(problem, objective, threshold, accept, self.comparison.clock).found
-        if found in (Found.DOUBTFUL, Found.UNSETTLED):
-            self.unsettled.append(f"{question} ({found.value})")
-        return found is Found.NONE, kept[0] if kept else None
+        found = settle(hunt.problem, hunt.objective, hunt.threshold, accept, self.comparison.clock).found
+        return found, kept[0] if kept else None
 
     def finding(
         self,

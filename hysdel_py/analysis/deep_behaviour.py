@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from math import isfinite
 
-from hysdel_py.analysis.deep import ANY_POINT, Deep, Finding, Point, span_of
+from hysdel_py.analysis.deep import ANY_POINT, Deep, Finding, Hunt, Point, span_of
 from hysdel_py.analysis.margins import largest
 from hysdel_py.diagnostics.codes import Code
 from hysdel_py.diagnostics.diagnostic import Label
@@ -50,10 +50,14 @@ def _never(deep: Deep, name: str, *, value: bool) -> bool:
 
     if any(map(has_value, deep.samples)):
         return False
-    problem, step = deep.comparison.whole()
-    problem.fix(step.values[name], float(value))
     question = f"whether {_shown(name)} is ever {'true' if value else 'false'}"
-    return deep.search((problem, step), {}, ANY_POINT, has_value, question)[0]
+
+    def ask(clear: bool) -> Hunt:
+        problem, step = deep.comparison.whole(clear=clear)
+        problem.fix(step.values[name], float(value))
+        return Hunt(problem, step, {}, ANY_POINT)
+
+    return deep.search(ask, has_value, question)[0]
 
 
 def dead_branches(deep: Deep) -> Iterator[Finding]:
@@ -112,7 +116,10 @@ def _beyond(deep: Deep, state: Variable, sign: float, limit: float) -> Point | N
     def is_beyond(point: Point) -> bool:
         return point.outcome.exists and sign * dict(point.outcome.next)[state.name] > limit
 
-    problem, step = deep.comparison.whole()
+    def ask(clear: bool) -> Hunt:
+        problem, step = deep.comparison.whole(clear=clear)
+        return Hunt(problem, step, {step.next[state.name]: sign}, limit)
+
     end = "upper" if sign > 0 else "lower"
     question = f"whether {state.name} leaves its range at the {end} end"
-    return deep.search((problem, step), {step.next[state.name]: sign}, limit, is_beyond, question)[1]
+    return deep.search(ask, is_beyond, question)[1]

@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from functools import partial
 
 from hysdel_py.analysis.comparison import Comparison, add_form, is_requirement
-from hysdel_py.analysis.deep import ANY_POINT, Deep, Finding, Point, span_of
-from hysdel_py.analysis.encoding import UPDATES_AND_OUTPUTS, Step, encode_step, shared_variables
+from hysdel_py.analysis.deep import ANY_POINT, Deep, Finding, Hunt, Point, span_of
+from hysdel_py.analysis.encoding import UPDATES_AND_OUTPUTS, encode_step, nothing, shared_variables
 from hysdel_py.analysis.milp import Milp, Source, Status
 from hysdel_py.analysis.tseitin import formula_variable
 from hysdel_py.diagnostics.codes import Code
@@ -26,7 +27,7 @@ def contradiction(deep: Deep) -> Iterator[Finding]:
     comparison = deep.comparison
     if deep.samples or not comparison.dha.requirements:
         return
-    problem, _ = comparison.whole()
+    problem, _ = comparison.whole(clear=False)
     status = problem.search(seconds=comparison.clock.left).status
     if status is Status.UNKNOWN:
         deep.unsettled.append("whether MUST allows anything (unsettled)")
@@ -72,12 +73,8 @@ def implied_requirements(deep: Deep) -> Iterator[Finding]:
     for requirement in deep.comparison.dha.requirements:
         if _is_noted(deep, requirement):
             continue
-        problem, step = _without(deep.comparison, requirement)
-        objective, threshold = _violation(deep.comparison, problem, step, requirement)
         is_implied, _ = deep.search(
-            (problem, step),
-            objective,
-            threshold,
+            partial(_violated, deep.comparison, requirement),
             _is_refused,
             f"whether MUST in {requirement.origin} restricts anything",
         )
@@ -96,25 +93,25 @@ def _is_noted(deep: Deep, requirement: Requirement) -> bool:
     return requirement.value.range(deep.comparison.ranges.__getitem__)[1] <= 0.0
 
 
-def _without(comparison: Comparison, requirement: Requirement) -> tuple[Milp, Step]:
+def _violated(comparison: Comparison, requirement: Requirement, clear: bool) -> Hunt:
+    """Steps in which all but one requirement hold."""
     problem = Milp()
     given = shared_variables(problem, (*comparison.dha.x, *comparison.dha.u))
     step = encode_step(
-        problem, comparison.dha, given, band=comparison.band, below=comparison.band,
+        problem,
+        comparison.dha,
+        given,
+        band=comparison.band,
+        below=comparison.below if clear else nothing,
         leave_out=lambda item: item is requirement,
-    )  # fmt: skip
-    return problem, step
-
-
-def _violation(
-    comparison: Comparison, problem: Milp, step: Step, requirement: Requirement
-) -> tuple[dict[int, float], float]:
+    )
     if isinstance(requirement, LogicRequirement):
         problem.fix(formula_variable(problem, requirement.value, step.values, Source(requirement.origin)), 0.0)
-        return {}, ANY_POINT
+        return Hunt(problem, step, {}, ANY_POINT)
     objective: dict[int, float] = {}
     add_form(objective, requirement.value, step.values)
-    return objective, comparison.margins.violation(requirement.value, comparison.ranges) - requirement.value.constant
+    level = comparison.margins.violation(requirement.value, comparison.ranges)
+    return Hunt(problem, step, objective, level - requirement.value.constant)
 
 
 def _is_refused(point: Point) -> bool:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from hysdel_py.analysis.deep import ANY_POINT, Deep, Finding, Point, span_of
+from hysdel_py.analysis.deep import ANY_POINT, Deep, Finding, Hunt, Point, span_of
 from hysdel_py.analysis.encoding import encode_step
 from hysdel_py.analysis.questions import forbidden_checks, value_checks
 from hysdel_py.analysis.report import Check, CheckStatus
@@ -104,16 +104,19 @@ def _loop_solutions(deep: Deep) -> Iterator[Finding]:
 
 def _second_solution(deep: Deep, variable: Variable) -> Point | None:
     comparison = deep.comparison
-    problem, step = comparison.whole()
-    given = {v.name: step.values[v.name] for v in (*comparison.dha.x, *comparison.dha.u)}
-    other = encode_step(problem, comparison.dha, given, band=comparison.band)
-    own, another = step.values[variable.name], other.values[variable.name]
-    question = f"whether {variable.name} has one value"
-    if variable.is_bool:
-        problem.row({own: 1.0, another: 1.0}, 1.0, 1.0)
-        return deep.search((problem, step), {}, ANY_POINT, _is_ambiguous, question)[1]
-    distance = comparison.margins.apart(variable.name, comparison.ranges)
-    return deep.search((problem, step), {own: 1.0, another: -1.0}, distance, _is_ambiguous, question)[1]
+
+    def ask(clear: bool) -> Hunt:
+        problem, step = comparison.whole(clear=clear)
+        given = {v.name: step.values[v.name] for v in (*comparison.dha.x, *comparison.dha.u)}
+        other = encode_step(problem, comparison.dha, given, band=comparison.band)
+        own, another = step.values[variable.name], other.values[variable.name]
+        if variable.is_bool:
+            problem.row({own: 1.0, another: 1.0}, 1.0, 1.0)
+            return Hunt(problem, step, {}, ANY_POINT)
+        distance = comparison.margins.apart(variable.name, comparison.ranges)
+        return Hunt(problem, step, {own: 1.0, another: -1.0}, distance)
+
+    return deep.search(ask, _is_ambiguous, f"whether {variable.name} has one value")[1]
 
 
 def _is_ambiguous(point: Point) -> bool:

@@ -30,7 +30,7 @@ from hysdel_py.systems.signals import Variable
 
 __all__ = [
     "Distance", "Interval", "Places", "Ranges", "Step", "add_terms", "auxiliary_variables", "encode_items",
-    "encode_step", "formula_variable", "ranges_by_definition", "shared_variables",
+    "encode_step", "formula_variable", "nothing", "ranges_by_definition", "shared_variables",
 ]  # fmt: skip
 
 Interval = tuple[float, float]
@@ -68,7 +68,8 @@ def _own_epsilon(event: Event) -> float:
     return event.epsilon
 
 
-def _nothing(event: Event) -> float:  # noqa: ARG001
+def nothing(event: Event) -> float:  # noqa: ARG001
+    """No distance: events may lie on their thresholds."""
     return 0.0
 
 
@@ -84,7 +85,7 @@ def encode_step(
     *,
     step: int = 0,
     band: Distance = _own_epsilon,
-    below: Distance = _nothing,
+    below: Distance = nothing,
     leave_out: Callable[[DhaItem], bool] = lambda item: False,  # noqa: ARG005
     ranges: Ranges | None = None,
 ) -> Step:
@@ -146,7 +147,7 @@ def encode_items(
     results: Places | None = None,
     step: int = 0,
     band: Distance = _own_epsilon,
-    below: Distance = _nothing,
+    below: Distance = nothing,
 ) -> None:
     """Add the rows of some items.
 

@@ -46,6 +46,10 @@ class Margins:
         """Half width of the band around the threshold of an event."""
         return max(event.epsilon, self.band * largest(event.form, ranges))
 
+    def below(self, event: Event, ranges: Ranges) -> float:
+        """How far to stay away on the true side; no more than the range of the form allows at all."""
+        return min(self.beside(event, ranges), max(0.0, -event.form.range(ranges.__getitem__)[0]))
+
     def violation(self, form: Affine, ranges: Ranges) -> float:
         """By how much a row ``form <= 0`` has to be exceeded."""
         return max(self.tolerance * largest(form, ranges), _STEPS_SEE * self.steps.row)

@@ -150,19 +150,13 @@ class Milp:
         seconds : float
             Time limit.
         """
-        from scipy.optimize import Bounds, LinearConstraint, milp
-
         matrices = self._scaled(self.rows if rows is None else list(rows), objective or {})
         if matrices is None:
             return _nothing(Status.NONE)
-        with quiet():
-            answer = milp(
-                matrices.cost,
-                integrality=np.zeros(self.n) if relaxed else np.array(self.integer, dtype=float),
-                bounds=Bounds(matrices.lb, matrices.ub),
-                constraints=LinearConstraint(matrices.A, matrices.low, matrices.high) if len(matrices.low) else None,
-                options={"mip_rel_gap": 0.0} | ({"time_limit": max(seconds, 0.0)} if seconds < inf else {}),
-            )
+        whole = np.zeros(self.n) if relaxed else np.array(self.integer, dtype=float)
+        answer = matrices.solve(whole, seconds, presolve=True)
+        if answer.status == _SOLVE_ERROR:  # HiGHS gives up on some problems after its own presolve
+            answer = matrices.solve(whole, seconds, presolve=False)
         return matrices.unscaled(answer, getattr(answer, "mip_dual_bound", None))
 
     def refine(self, w: Vector, objective: Terms | None = None, *, seconds: float = inf) -> Answer:
@@ -202,6 +196,9 @@ class Milp:
         return _Scaled(cost / greatest, A, least, most, low / size, high / size, size, greatest)
 
 
+_SOLVE_ERROR = 4
+"""Code of scipy.optimize.milp for trouble that is no limit."""
+
 _LP_OPTIONS = ("primal_feasibility_tolerance", "dual_feasibility_tolerance")
 
 
@@ -217,6 +214,20 @@ class _Scaled:
     ub: Vector
     size: Vector
     greatest: float
+
+    def solve(self, integrality: Vector, seconds: float, *, presolve: bool) -> Any:
+        """The answer of the solver."""
+        from scipy.optimize import Bounds, LinearConstraint, milp
+
+        limit = {"time_limit": max(seconds, 0.0)} if seconds < inf else {}
+        with quiet():
+            return milp(
+                self.cost,
+                integrality=integrality,
+                bounds=Bounds(self.lb, self.ub),
+                constraints=LinearConstraint(self.A, self.low, self.high) if len(self.low) else None,
+                options={"mip_rel_gap": 0.0, "presolve": presolve} | limit,
+            )
 
     def one_sided(self) -> dict[str, Any]:
         """The rows as equalities and upper sides, as linprog takes them."""

@@ -10,9 +10,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hysdel_py.analysis.comparison import add_form, is_requirement
-from hysdel_py.analysis.encoding import Step, encode_step, ranges_by_definition, shared_variables
+from hysdel_py.analysis.encoding import Step, encode_step, nothing, ranges_by_definition, shared_variables
 from hysdel_py.analysis.margins import Margins, largest
 from hysdel_py.analysis.milp import Milp, Source
+from hysdel_py.analysis.questions import on_thresholds_last
 from hysdel_py.analysis.report import CheckStatus
 from hysdel_py.analysis.search import Clock, Found, settle
 from hysdel_py.analysis.stepping import Witness, clipped, differing, take_step
@@ -83,7 +84,10 @@ class Pair:
 
     def differing_value(self, name: str, mark: str) -> tuple[CheckStatus, Witness | None]:
         """Search for a next state or output that differs where both models have a step."""
-        problem, steps = self._both(must=(True, True))
+        return on_thresholds_last(lambda clear: self._differing_value(name, mark, clear=clear))
+
+    def _differing_value(self, name: str, mark: str, *, clear: bool) -> tuple[CheckStatus, Witness | None]:
+        problem, steps = self._both(must=(True, True), clear=clear)
         ours, theirs = ((step.next if mark else step.outputs)[name] for step in steps)
         tolerance = self.value_tolerance(name, "x" if mark else "y")
         statuses = []
@@ -105,8 +109,13 @@ class Pair:
         self, side: Side, requirement: AffineRequirement | LogicRequirement
     ) -> tuple[CheckStatus, Witness | None]:
         """Search for a point at which a requirement of one side is violated and the other side has a step."""
+        return on_thresholds_last(lambda clear: self._violated_here_alone(side, requirement, clear=clear))
+
+    def _violated_here_alone(
+        self, side: Side, requirement: AffineRequirement | LogicRequirement, *, clear: bool
+    ) -> tuple[CheckStatus, Witness | None]:
         is_old = side is self.old
-        problem, steps = self._both(must=(not is_old, is_old))
+        problem, steps = self._both(must=(not is_old, is_old), clear=clear)
         objective, threshold = self._violate(problem, side, steps[0 if is_old else 1], requirement)
         kept: list[Witness] = []
 
@@ -131,7 +140,7 @@ class Pair:
         level = self.margins.violation(requirement.value, side.ranges)
         return objective, level - requirement.value.constant
 
-    def _both(self, must: tuple[bool, bool]) -> tuple[Milp, tuple[Step, Step]]:
+    def _both(self, must: tuple[bool, bool], *, clear: bool) -> tuple[Milp, tuple[Step, Step]]:
         """Both steps over shared states and inputs; a state or input of one model alone is its own."""
         problem = Milp()
         given: dict[str, int] = {}
@@ -140,17 +149,22 @@ class Pair:
             variables = (*side.dha.x, *side.dha.u)
             own = [v for v in variables if v.name not in given or v.name not in self.shared]
             given |= shared_variables(problem, own)
-            steps.append(self._step(problem, side, {v.name: given[v.name] for v in variables}, must=wanted))
+            steps.append(
+                self._step(problem, side, {v.name: given[v.name] for v in variables}, must=wanted, clear=clear)
+            )
         return problem, (steps[0], steps[1])
 
-    def _step(self, problem: Milp, side: Side, given: Mapping[str, int], *, must: bool) -> Step:
+    def _step(self, problem: Milp, side: Side, given: Mapping[str, int], *, must: bool, clear: bool) -> Step:
         def band(event: Event) -> float:
             return self.margins.beside(event, side.ranges)
+
+        def below(event: Event) -> float:
+            return self.margins.below(event, side.ranges)
 
         def unwanted(item: DhaItem) -> bool:
             return is_requirement(item) and not must
 
-        return encode_step(problem, side.dha, given, band=band, below=band, leave_out=unwanted)
+        return encode_step(problem, side.dha, given, band=band, below=below if clear else nothing, leave_out=unwanted)
 
     # ---- confirmation -----------------------------------------------------------------------------------------
 

@@ -2,31 +2,35 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 
 import numpy as np
 from numpy.typing import NDArray
 
 from hysdel_py.analysis.comparison import Comparison, add_form
-from hysdel_py.analysis.encoding import Step, add_terms
+from hysdel_py.analysis.encoding import Step
 from hysdel_py.analysis.milp import Milp, Source
 from hysdel_py.analysis.report import Check, CheckStatus, Question
 from hysdel_py.analysis.search import Found, Result, settle
 from hysdel_py.analysis.stepping import Witness
 from hysdel_py.analysis.tseitin import formula_variable
 from hysdel_py.systems.affine import Affine
-from hysdel_py.systems.dha import AffineEquation, AffineRequirement, DhaItem, LogicEquation, LogicRequirement, read_by
-from hysdel_py.systems.origin import Origin, RowOrigin
+from hysdel_py.systems.dha import AffineRequirement, DhaItem, LogicRequirement, read_by
+from hysdel_py.systems.origin import RowOrigin
 from hysdel_py.systems.signals import Variable
 
-__all__ = ["allowed_checks", "equation_checks", "forbidden_checks", "value_checks"]
+__all__ = [
+    "STATUS", "Answered", "Confirmed", "allowed_checks", "forbidden_checks", "objective_of", "on_thresholds_last",
+    "value_checks", "worst",
+]  # fmt: skip
 
 Terms = dict[int, float]
 Vector = NDArray[np.float64]
+Answered = tuple[CheckStatus, Witness | None]
 ANY_POINT = -1.0
 """Threshold below the value 0 of an empty objective."""
 
-_STATUS = {
+STATUS = {
     Found.NONE: CheckStatus.HOLDS,
     Found.POINT: CheckStatus.DIFFERENT,
     Found.DOUBTFUL: CheckStatus.DOUBTFUL,
@@ -43,7 +47,7 @@ def _is_ruled_out(comparison: Comparison, problem: Milp, objective: Terms, thres
     return settle(problem, objective, threshold, _any_point, comparison.clock).found is Found.NONE
 
 
-class _Confirmed:
+class Confirmed:
     """Confirms the points of a search by stepping, and keeps the witness."""
 
     def __init__(self, comparison: Comparison, step: Step) -> None:
@@ -57,6 +61,12 @@ class _Confirmed:
     def _accept(self, w: Vector) -> bool:
         self.witness = self._comparison.witness(w, self._step)
         return self.witness is not None
+
+
+def on_thresholds_last(ask: Callable[[bool], Answered]) -> Answered:
+    """Ask for points away from thresholds first, whose steps rounding cannot change, and then for those on them."""
+    status, witness = ask(True)
+    return (status, witness) if status is not CheckStatus.HOLDS else ask(False)
 
 
 # ---- steps that the rows forbid -----------------------------------------------------------------------------------
@@ -81,12 +91,17 @@ def _forbidden(comparison: Comparison, form: Affine) -> tuple[CheckStatus, str, 
     level = threshold - form.constant
     names = [name for name, _ in form.terms]
     problem, values = comparison.part(names, _concerned(comparison, names))
-    if _is_ruled_out(comparison, problem, _objective(form, values), level):
+    if _is_ruled_out(comparison, problem, objective_of(form, values), level):
         return CheckStatus.HOLDS, "item", None
-    problem, step = comparison.whole()
-    confirmed = _Confirmed(comparison, step)
-    result = confirmed.search(problem, _objective(form, step.values), level)
-    return _STATUS[result.found], "model", confirmed.witness
+    status, witness = on_thresholds_last(lambda clear: _forbidden_in_model(comparison, form, level, clear=clear))
+    return status, "model", witness
+
+
+def _forbidden_in_model(comparison: Comparison, form: Affine, level: float, *, clear: bool) -> Answered:
+    problem, step = comparison.whole(clear=clear)
+    confirmed = Confirmed(comparison, step)
+    result = confirmed.search(problem, objective_of(form, step.values), level)
+    return STATUS[result.found], confirmed.witness
 
 
 def _concerned(comparison: Comparison, names: list[str]) -> list[DhaItem]:
@@ -96,7 +111,8 @@ def _concerned(comparison: Comparison, names: list[str]) -> list[DhaItem]:
     return [*comparison.definitions(names), *shared]
 
 
-def _objective(form: Affine, places: Mapping[str, int], factor: float = 1.0) -> Terms:
+def objective_of(form: Affine, places: Mapping[str, int], factor: float = 1.0) -> Terms:
+    """The terms of a form as an objective."""
     terms: Terms = {}
     add_form(terms, form, places, factor)
     return terms
@@ -120,11 +136,7 @@ def _another_value(comparison: Comparison, variable: Variable) -> tuple[CheckSta
         return CheckStatus.HOLDS, "item", None  # both forms give it the value 0
     if _follows_from_own_rows(comparison, variable):
         return CheckStatus.HOLDS, "item", None
-    status, witness = _another_in_model(comparison, variable, clear=True)
-    if status is CheckStatus.HOLDS:
-        at_threshold, found = _another_in_model(comparison, variable, clear=False)
-        if at_threshold is CheckStatus.DIFFERENT:
-            return at_threshold, "model", found
+    status, witness = on_thresholds_last(lambda clear: _another_in_model(comparison, variable, clear=clear))
     return status, "model", witness
 
 
@@ -139,7 +151,7 @@ def _follows_from_own_rows(comparison: Comparison, variable: Variable) -> bool:
     problem, values = comparison.part([name, *names], comparison.definitions([name]))
     other = comparison.another(problem, variable)
     for form in forms:
-        problem.row(_objective(form, values | {name: other}), high=-form.constant)
+        problem.row(objective_of(form, values | {name: other}), high=-form.constant)
     searches = _differences(comparison, problem, variable, values[name], other)
     return all(_is_ruled_out(comparison, *search) for search in searches)
 
@@ -156,20 +168,21 @@ def _differences(
     return [(problem, {other: sign, own: -sign}, distance) for sign in (1.0, -1.0)]
 
 
-def _another_in_model(comparison: Comparison, variable: Variable, *, clear: bool) -> tuple[CheckStatus, Witness | None]:
+def _another_in_model(comparison: Comparison, variable: Variable, *, clear: bool) -> Answered:
     problem, step = comparison.whole(clear=clear)
     places = comparison.add_mld(problem, step)
     own, other = step.values[variable.name], places[variable.name]
     statuses = []
     for search in _differences(comparison, problem, variable, own, other):
-        confirmed = _Confirmed(comparison, step)
-        statuses.append(_STATUS[confirmed.search(*search).found])
+        confirmed = Confirmed(comparison, step)
+        statuses.append(STATUS[confirmed.search(*search).found])
         if statuses[-1] is CheckStatus.DIFFERENT:
             return CheckStatus.DIFFERENT, confirmed.witness
-    return _worst(statuses), None
+    return worst(statuses), None
 
 
-def _worst(statuses: list[CheckStatus]) -> CheckStatus:
+def worst(statuses: list[CheckStatus]) -> CheckStatus:
+    """The status of a check that took several searches."""
     order = (CheckStatus.DIFFERENT, CheckStatus.NOT_SETTLED, CheckStatus.DOUBTFUL)
     return next((status for status in order if status in statuses), CheckStatus.HOLDS)
 
@@ -187,7 +200,7 @@ def allowed_checks(comparison: Comparison, *, unique: bool) -> Iterator[Check]:
         if unique and _is_ruled_out(comparison, *_violated_part(comparison, requirement, rows)):
             status, how, witness = CheckStatus.HOLDS, "item", None
         else:
-            status, witness = _allowed_in_model(comparison, requirement)
+            status, witness = _allowed(comparison, requirement)
             how = "model"
         yield Check(
             Question.ALLOWED, f"MUST in {requirement.origin}", status, how, rows, (requirement.origin,), witness
@@ -206,7 +219,7 @@ def _violated_part(
     problem, values = comparison.part(read_by(requirement), ())
     for index in rows:
         form = comparison.rows[index]
-        problem.row(_objective(form, values), high=-form.constant)
+        problem.row(objective_of(form, values), high=-form.constant)
     return (problem, *_violate(comparison, problem, requirement, values))
 
 
@@ -221,81 +234,18 @@ def _violate(
         problem.fix(formula_variable(problem, requirement.value, values, Source(requirement.origin)), 0.0)
         return {}, ANY_POINT
     form = requirement.value
-    return _objective(form, values), comparison.margins.violation(form, comparison.ranges) - form.constant
+    return objective_of(form, values), comparison.margins.violation(form, comparison.ranges) - form.constant
+
+
+def _allowed(comparison: Comparison, requirement: AffineRequirement | LogicRequirement) -> Answered:
+    return on_thresholds_last(lambda clear: _allowed_in_model(comparison, requirement, clear=clear))
 
 
 def _allowed_in_model(
-    comparison: Comparison, requirement: AffineRequirement | LogicRequirement
-) -> tuple[CheckStatus, Witness | None]:
-    problem, step = comparison.whole(must=False)
+    comparison: Comparison, requirement: AffineRequirement | LogicRequirement, *, clear: bool
+) -> Answered:
+    problem, step = comparison.whole(must=False, clear=clear)
     comparison.add_mld(problem, step)
     objective, threshold = _violate(comparison, problem, requirement, step.values)
-    confirmed = _Confirmed(comparison, step)
-    return _STATUS[confirmed.search(problem, objective, threshold).found], confirmed.witness
-
-
-# ---- updates and outputs ------------------------------------------------------------------------------------------
-
-
-def equation_checks(comparison: Comparison) -> Iterator[Check]:
-    """For each state and output: is its right side that of the matrices?"""
-    groups = (
-        (comparison.dha.x, comparison.updates, comparison.mld.updates, "'"),
-        (comparison.dha.y, comparison.outputs, comparison.mld.outputs, ""),
-    )
-    for variables, forms, origins, mark in groups:
-        by_name = {origin.defines: origin for origin in origins}
-        for variable in variables:
-            status, how, witness = _equation(comparison, variable, forms[variable.name], is_state=bool(mark))
-            definition = comparison.dha.definitions.get(variable.name)
-            origin: Origin | RowOrigin | None = definition.origin if definition else by_name.get(variable.name)
-            lines = () if origin is None else (origin,)
-            yield Check(Question.EQUATION, variable.name + mark, status, how, (), lines, witness)
-
-
-def _equation(
-    comparison: Comparison, variable: Variable, form: Affine, *, is_state: bool
-) -> tuple[CheckStatus, str, Witness | None]:
-    tolerance = comparison.margins.distance(form, comparison.ranges)
-    expected = _right_side(comparison, variable.name)
-    if expected is not None:
-        low, high = _without_noise(expected - form).range(comparison.ranges.__getitem__)
-        if max(abs(low), abs(high)) <= tolerance:
-            return CheckStatus.HOLDS, "coefficients", None
-    problem, step = comparison.whole()
-    own = (step.next if is_state else step.outputs)[variable.name]
-    statuses = []
-    for sign in (1.0, -1.0):
-        objective = _objective(form, step.values, -sign)
-        add_terms(objective, own, sign)
-        confirmed = _Confirmed(comparison, step)
-        statuses.append(_STATUS[confirmed.search(problem, objective, tolerance + sign * form.constant).found])
-        if statuses[-1] is CheckStatus.DIFFERENT:
-            return CheckStatus.DIFFERENT, "model", confirmed.witness
-    return _worst(statuses), "model", None
-
-
-def _right_side(comparison: Comparison, name: str) -> Affine | None:
-    """Right side of an update or output as an affine form; None if it is a longer formula."""
-    match comparison.dha.definitions.get(name):
-        case None:
-            return Affine()
-        case AffineEquation(value=value):
-            return value
-        case LogicEquation(value=formula):
-            literal = formula.literal
-            if literal is not None:
-                sign = 1.0 if literal.positive else -1.0
-                return Affine(float(not literal.positive), ((literal.name, sign),))
-            return (
-                Affine(float(formula.postfix[0]))
-                if isinstance(formula.postfix[0], bool) and len(formula.postfix) == 1
-                else None
-            )
-        case _:
-            return None
-
-
-def _without_noise(form: Affine) -> Affine:
-    """Without coefficients that are exactly zero, whose variables may be endless."""
-    return Affine(form.constant, tuple((name, c) for name, c in form.terms if c))
+    confirmed = Confirmed(comparison, step)
+    return STATUS[confirmed.search(problem, objective, threshold).found], confirmed.witness

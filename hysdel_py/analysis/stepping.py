@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
+from math import isfinite
 from typing import Any, Protocol
 
 import numpy as np
@@ -15,6 +16,10 @@ from hysdel_py.systems.signals import Variable
 __all__ = ["Outcome", "Stepping", "Values", "Witness", "clipped", "differing", "take_step"]
 
 Vector = NDArray[np.float64]
+
+TOUCHING = 1e-9
+"""A value that near to an end of its range, relative to the width, is meant to be the end."""
+
 Values = tuple[tuple[str, float], ...]
 
 
@@ -131,8 +136,15 @@ def differing(first: Outcome, second: Outcome, tolerance: Callable[[str], float]
 
 
 def clipped(variables: Sequence[Variable], values: Mapping[str, float]) -> dict[str, float]:
-    """Values of states or inputs, moved into their ranges and Booleans rounded."""
-    return {
-        v.name: float(round(values[v.name])) if v.is_bool else min(max(float(values[v.name]), v.low), v.high)
-        for v in variables
-    }
+    """Values of states or inputs with Booleans rounded, in their ranges, and on an end where they all but touch it."""
+    return {v.name: _clipped(v, float(values[v.name])) for v in variables}
+
+
+def _clipped(variable: Variable, value: float) -> float:
+    if variable.is_bool:
+        return float(round(value))
+    width = variable.high - variable.low
+    for end in (variable.low, variable.high):
+        if isfinite(width) and abs(value - end) <= TOUCHING * width:
+            return end
+    return min(max(value, variable.low), variable.high)

@@ -8,9 +8,10 @@ from math import inf
 from typing import TYPE_CHECKING
 
 from hysdel_py.analysis.comparison import Comparison
+from hysdel_py.analysis.equation_questions import equation_checks
 from hysdel_py.analysis.margins import Margins
 from hysdel_py.analysis.points import step_points
-from hysdel_py.analysis.questions import allowed_checks, equation_checks, forbidden_checks, value_checks
+from hysdel_py.analysis.questions import allowed_checks, forbidden_checks, value_checks
 from hysdel_py.analysis.report import Check, CheckStatus, PointTally, Verification
 from hysdel_py.analysis.search import Clock
 from hysdel_py.errors import ArgumentError
