@@ -25,11 +25,11 @@ from hysdel_py.analysis.encoding import (
     ranges_by_definition,
     shared_variables,
 )
-from hysdel_py.analysis.margins import Margins
+from hysdel_py.analysis.margins import Margins, largest
 from hysdel_py.analysis.milp import Milp
 from hysdel_py.analysis.mld_forms import equations, idle_auxiliaries, row_forms
 from hysdel_py.analysis.search import Clock
-from hysdel_py.analysis.stepping import Witness, clipped, differing, take_step
+from hysdel_py.analysis.stepping import TOUCHING, Witness, clipped, differing, take_step
 from hysdel_py.errors import SimulationError
 from hysdel_py.systems.affine import Affine
 from hysdel_py.systems.dha import AffineRequirement, Dha, DhaItem, Event, LogicRequirement, read_by
@@ -39,6 +39,7 @@ from hysdel_py.systems.signals import Variable
 __all__ = ["Comparison", "add_form", "is_requirement"]
 
 Vector = NDArray[np.float64]
+Point = dict[str, float]
 
 SHARE = 1e-3
 """A point that a search puts at the edge of a band may lie inside by this share of it, by rounding."""
@@ -162,9 +163,26 @@ class Comparison:
 
     def witness(self, w: Vector, step: Step) -> Witness | None:
         """The state and input of a point, if the two forms differ there."""
+        true = {v.name for v in self.dha.d if w[step.values[v.name]] > 0.5}
         x, u = ({v.name: w[step.values[v.name]] for v in group} for group in (self.dha.x, self.dha.u))
-        values = self.values_at(clipped(self.dha.x, x), clipped(self.dha.u, u))
+        x, u = self._onto_thresholds(clipped(self.dha.x, x), clipped(self.dha.u, u), true)
+        values = self.values_at(x, u)
         return None if values is not None and self.is_in_band(values) else self.compare(x, u)
+
+    def _onto_thresholds(self, x: Point, u: Point, true: set[str]) -> tuple[Point, Point]:
+        """Move a point back onto the thresholds of true events that rounding put it beyond."""
+        for event in (item for item in self.dha.items if isinstance(item, Event) and item.name in true):
+            values = self.values_at(x, u)
+            excess = 0.0 if values is None else event.form.value(values)
+            if 0.0 < excess <= TOUCHING * largest(event.form, self.ranges):
+                x, u = self._moved(x, u, event, excess)
+        return x, u
+
+    def _moved(self, x: Point, u: Point, event: Event, excess: float) -> tuple[Point, Point]:
+        real = {v.name for v in (*self.dha.x, *self.dha.u) if not v.is_bool}
+        name, slope = next(((n, c) for n, c in event.form.terms if c and n in real), ("", 1.0))
+        there = {name: {**x, **u}.get(name, 0.0) - 2.0 * excess / slope}
+        return clipped(self.dha.x, {**x, **there}), clipped(self.dha.u, {**u, **there})
 
     def values_at(self, x: Mapping[str, float], u: Mapping[str, float]) -> Mapping[str, float] | None:
         """All variables of the Dha at a state and input, requirements or not; None if there is no step."""

@@ -74,7 +74,7 @@ def _check_lines(check: Check, report: Verification) -> Iterator[str]:
 
 
 _REASON = {
-    "doubtful": "; the solver names points and stepping confirms none of them",
+    "doubtful": "; the solver names points at which stepping shows no difference",
     "not settled": "; the time limit came first, or the solver gave up",
 }
 

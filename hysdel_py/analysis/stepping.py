@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from hysdel_py.errors import SimulationError
 from hysdel_py.systems.signals import Variable
 
-__all__ = ["Outcome", "Stepping", "Values", "Witness", "clipped", "differing", "take_step"]
+__all__ = ["TOUCHING", "Outcome", "Stepping", "Values", "Witness", "clipped", "differing", "take_step"]
 
 Vector = NDArray[np.float64]
 

@@ -67,7 +67,7 @@ def test_shipped_models_are_equal(name):
     assert verdict(model, model.mld).is_equal
 
 
-@settings(max_examples=12, deadline=None, suppress_health_check=list(HealthCheck), derandomize=True)
+@settings(max_examples=6, deadline=None, suppress_health_check=list(HealthCheck), derandomize=True)
 @given(models())
 def test_random_models_are_equal(text):
     model = hys.load(text)
@@ -119,8 +119,15 @@ def test_interval_constant_too_large_changes_nothing(model):
 @pytest.mark.parametrize("item", ["AD", "Logic", "DA", "Linear", "Cont_must", "Logic_must"])
 def test_every_dropped_row_is_noticed(model, item):
     kinds = {Question.ALLOWED} if item.endswith("must") else {Question.ANOTHER_VALUE}
-    for i in rows_of(model.mld, item):
+    for i in rows_of(model.mld, item, "e" if item == "Logic" else ""):
         assert_different(model, drop_row(model.mld, i), *kinds)
+
+
+def test_dropped_row_that_the_rest_implies_changes_nothing(model):
+    """Of b = e -> v, the clause that v implies the right side: v excludes b, and without b, v excludes e."""
+    generated = rows_of(model.mld, "Logic", "__additional_1")
+    verdicts = [verdict(model, drop_row(model.mld, i)).status for i in generated]
+    assert verdicts == [VerifyStatus.DIFFERENT, VerifyStatus.EQUAL, VerifyStatus.DIFFERENT]
 
 
 def test_dropped_copy_of_a_row_changes_nothing():
@@ -176,7 +183,7 @@ def test_clutch_faults():
         assert_different(model, faulty)
 
 
-@settings(max_examples=15, deadline=None, suppress_health_check=list(HealthCheck), derandomize=True)
+@settings(max_examples=6, deadline=None, suppress_health_check=list(HealthCheck), derandomize=True)
 @given(models(), st.integers(0, 2**32 - 1))
 def test_random_faults_are_caught_or_change_nothing(text, seed):
     """Where the proof says equal, stepping at random points must not show a difference."""
@@ -185,9 +192,9 @@ def test_random_faults_are_caught_or_change_nothing(text, seed):
     if fault is None:
         return
     report = verdict(model, fault[1], points=60)
-    proof = all(check.status is CheckStatus.HOLDS for check in report.checks)
-    assert proof == (not report.points.different) or not proof
-    assert report.status is not VerifyStatus.NOT_SETTLED
+    is_proven = all(check.status is CheckStatus.HOLDS for check in report.checks)
+    assert not (is_proven and report.points.different), str(report)
+    assert report.status is not VerifyStatus.NOT_SETTLED, str(report)
 
 
 def test_time_limit_leaves_it_open(model):
@@ -201,7 +208,10 @@ def test_two_solutions_of_a_loop():
     text = """SYSTEM s { INTERFACE { STATE { BOOL b; } } IMPLEMENTATION { AUX { BOOL d, e; }
       LOGIC { d = e; e = d; } AUTOMATA { b = d; } } }"""
     model = hys.load(text)
-    assert hys.verify(model, points=5).is_equal  # neither form has a unique step anywhere
+    report = hys.verify(model, points=5)
+    assert report.points.infeasible == 5  # neither form has a unique step anywhere
+    assert report.status is VerifyStatus.NOT_SETTLED
+    assert {check.status for check in report.failed()} == {CheckStatus.DOUBTFUL}
 
 
 def test_other_variables_are_refused(model):
@@ -209,9 +219,9 @@ def test_other_variables_are_refused(model):
         hys.verify(model, mld=hys.load("clutch").mld)
 
 
-@pytest.mark.parametrize("options", [{"points": -1}, {"seconds": 0}, {"margins": hys.Margins}])
+@pytest.mark.parametrize("options", [{"points": -1}, {"seconds": 0}])
 def test_wrong_arguments(model, options):
-    with pytest.raises((hys.ArgumentError, AttributeError)):
+    with pytest.raises(hys.ArgumentError, match="were expected"):
         hys.verify(model, **options)
     with pytest.raises(hys.ArgumentError, match="band is 0"):
         hys.Margins(band=0.0)
