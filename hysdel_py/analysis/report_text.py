@@ -56,10 +56,10 @@ def _summary(checks: tuple[Check, ...]) -> Iterator[str]:
     for question in dict.fromkeys(check.question for check in checks):
         statuses = Counter(check.status.value for check in checks if check.question is question)
         answer = ", ".join(f"{statuses[status]} {word}" for status, word in _WORDS.items() if statuses[status])
-        yield f"is there a point at which {question.value}? {answer}"
+        yield f"is there a point at which {question.value}? {statuses.total()} checks: {answer}"
 
 
-_WORDS = {"holds": "times no", "different": "times yes", "doubtful": "doubtful", "not settled": "not settled"}
+_WORDS = {"holds": "no", "different": "yes", "doubtful": "doubtful", "not settled": "not settled"}
 
 
 def _check_lines(check: Check, report: Verification) -> Iterator[str]:
