@@ -22,6 +22,8 @@ if TYPE_CHECKING:
     from hysdel_py.errors import ArgumentError, CompileError, HysdelError, SimulationError
     from hysdel_py.export.reading import read_json
     from hysdel_py.model import Model, load, to_dha, to_mld, to_symbolic_mld
+    from hysdel_py.reports.explain_infeasible import explain_infeasible
+    from hysdel_py.reports.explanation import Explanation
     from hysdel_py.shipped import shipped_models
     from hysdel_py.systems.dha import Dha
     from hysdel_py.systems.mld import Mld
@@ -29,10 +31,10 @@ if TYPE_CHECKING:
     from hysdel_py.systems.trajectory import Trajectory
 
 __all__ = [
-    "ArgumentError", "CompileError", "Cost", "Dha", "Difference", "HybridMpc", "HysdelError", "Limits",
-    "Margins", "Mld", "Model", "Move", "MoveStatus", "SimulationError", "Trajectory", "Verification",
-    "WellPosedness", "__version__", "closed_loop", "diff", "load", "read_json", "shipped_models", "simulate",
-    "to_dha", "to_mld", "to_symbolic_mld", "verify", "well_posed",
+    "ArgumentError", "CompileError", "Cost", "Dha", "Difference", "Explanation", "HybridMpc", "HysdelError",
+    "Limits", "Margins", "Mld", "Model", "Move", "MoveStatus", "SimulationError", "Trajectory",
+    "Verification", "WellPosedness", "__version__", "closed_loop", "diff", "explain_infeasible", "load",
+    "read_json", "shipped_models", "simulate", "to_dha", "to_mld", "to_symbolic_mld", "verify", "well_posed",
 ]  # fmt: skip
 
 _HOME = {
@@ -46,6 +48,7 @@ _HOME = {
     "Margins": "analysis.margins", "Verification": "analysis.report", "verify": "analysis.verify",
     "Difference": "analysis.diff_report", "diff": "analysis.diff",
     "WellPosedness": "analysis.well_posed", "well_posed": "analysis.well_posed",
+    "explain_infeasible": "reports.explain_infeasible", "Explanation": "reports.explanation",
 }  # fmt: skip
 
 

@@ -47,6 +47,7 @@ MAY_IMPORT: dict[str, set[str]] = {
     "shipped": {"syntax"},
     "compiler": {"errors", "diagnostics", "syntax", "elaboration", "semantics", "systems", "lowering", "geometry"},
     "model": {"errors", "diagnostics", "semantics", "systems", "lowering", "compiler"},
+    "reports": {"errors", "diagnostics", "syntax", "semantics", "systems", "control", "analysis", "model"},
     "demos": {"errors", "model", "systems", "control", "drivetrain", "analysis"},
 }
 LEAVES = {"plotting", "cli", "lsp"}  # these import what they like, and nobody imports them at module level

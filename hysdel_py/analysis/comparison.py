@@ -157,7 +157,7 @@ class Comparison:
         if variable.is_bool:
             return problem.boolean()
         size = self._size(variable) or 1.0
-        return problem.real(-FAR * size, FAR * size, size=size)
+        return problem.real(-FAR * size, FAR * size, size=min(size, 1.0))
 
     # ---- confirmation -----------------------------------------------------------------------------------------
 

@@ -107,7 +107,8 @@ def encode_step(
     leave_out : callable, optional
         Items whose rows are not wanted; a variable that such an item defines is free within its range.
     ranges : mapping of name to interval, optional
-        Ranges of all variables; by default those of :func:`ranges_by_definition`.
+        Where the variables are, for the constants of the rows and as bounds of the auxiliaries; the ranges by
+        definition by default.
 
     Raises
     ------

@@ -1,7 +1,7 @@
 """Mixed-integer linear feasibility and optimisation problems whose rows know where they come from; solved by HiGHS.
 
-Columns are scaled by the ranges of their variables and rows by their greatest coefficient, so that the absolute
-tolerances of the solver mean the same in every unit of measurement.
+Columns of small variables are scaled by their ranges, and rows by their greatest coefficient, so that the absolute
+tolerances of the solver do not swallow what is measured in small units.
 """
 
 from __future__ import annotations
@@ -98,7 +98,7 @@ class Milp:
         return len(self.low)
 
     def real(self, low: float = -inf, high: float = inf, *, size: float = 0.0) -> int:
-        """A new real variable; `size` is its order of magnitude, from its range where it is not given."""
+        """A new real variable; `size` is the unit in which it is solved for, from its range where it is not given."""
         return self._new(low, high, size or _size(low, high), integer=False)
 
     def boolean(self) -> int:
@@ -129,6 +129,10 @@ class Milp:
         """An independent copy, to which more can be added."""
         return Milp(self.low[:], self.high[:], self.integer[:], self.size[:], self.rows[:])
 
+    def matrix(self) -> tuple[Any, Vector, Vector]:
+        """Sparse matrix of the rows, scaled so that their greatest coefficient is 1, and both sides."""
+        return _matrix(self.rows, [1.0] * self.n)
+
     def search(
         self,
         objective: Terms | None = None,
@@ -136,6 +140,7 @@ class Milp:
         rows: Iterable[Row] | None = None,
         relaxed: bool = False,
         seconds: float = inf,
+        nodes: int | None = None,
     ) -> Answer:
         """Find a point, the least one if there is an objective.
 
@@ -149,14 +154,20 @@ class Milp:
             Whether Booleans may be fractions.
         seconds : float
             Time limit.
+        nodes : int, optional
+            Limit of the nodes of the branch and bound, which unlike a time limit is the same on every machine.
         """
         matrices = self._scaled(self.rows if rows is None else list(rows), objective or {})
         if matrices is None:
             return _nothing(Status.NONE)
+        if not self.n:
+            return Answer(Status.FOUND, np.zeros(0), 0.0, 0.0, is_optimal=True)
         whole = np.zeros(self.n) if relaxed else np.array(self.integer, dtype=float)
-        answer = matrices.solve(whole, seconds, presolve=True)
+        limits = {"time_limit": max(seconds, 0.0)} if seconds < inf else {}
+        limits |= {} if nodes is None else {"node_limit": nodes}
+        answer = matrices.solve(whole, limits, presolve=True)
         if answer.status == _SOLVE_ERROR:  # HiGHS gives up on some problems after its own presolve
-            answer = matrices.solve(whole, seconds, presolve=False)
+            answer = matrices.solve(whole, limits, presolve=False)
         return matrices.unscaled(answer, getattr(answer, "mip_dual_bound", None))
 
     def refine(self, w: Vector, objective: Terms | None = None, *, seconds: float = inf) -> Answer:
@@ -174,6 +185,8 @@ class Milp:
         matrices = self._scaled(self.rows, objective or {})
         if matrices is None:
             return _nothing(Status.NONE)
+        if not self.n:
+            return Answer(Status.FOUND, np.zeros(0), 0.0, 0.0, is_optimal=True)
         whole = np.array(self.integer, dtype=bool)
         matrices.lb[whole] = matrices.ub[whole] = np.round(w[whole])
         options: dict[str, float] = dict.fromkeys(_LP_OPTIONS, _LP_TOLERANCE)
@@ -186,7 +199,7 @@ class Milp:
     def _scaled(self, rows: list[Row], objective: Terms) -> _Scaled | None:
         """The problem in numbers of size 1, None if a row or bound contradicts itself."""
         low, high, size = (np.array(side, dtype=float) for side in (self.low, self.high, self.size))
-        if any(row.low > row.high for row in rows) or (low > high).any():
+        if any(map(_cannot_hold, rows)) or (low > high).any():
             return None
         cost = np.zeros(self.n)
         for variable, coefficient in objective.items():
@@ -215,18 +228,17 @@ class _Scaled:
     size: Vector
     greatest: float
 
-    def solve(self, integrality: Vector, seconds: float, *, presolve: bool) -> Any:
+    def solve(self, integrality: Vector, limits: Mapping[str, float], *, presolve: bool) -> Any:
         """The answer of the solver."""
         from scipy.optimize import Bounds, LinearConstraint, milp
 
-        limit = {"time_limit": max(seconds, 0.0)} if seconds < inf else {}
         with quiet():
             return milp(
                 self.cost,
                 integrality=integrality,
                 bounds=Bounds(self.lb, self.ub),
                 constraints=LinearConstraint(self.A, self.low, self.high) if len(self.low) else None,
-                options={"mip_rel_gap": 0.0, "presolve": presolve} | limit,
+                options={"mip_rel_gap": 0.0, "presolve": presolve, **limits},
             )
 
     def one_sided(self) -> dict[str, Any]:
@@ -253,8 +265,14 @@ class _Scaled:
 
 
 def _size(low: float, high: float) -> float:
-    """Order of magnitude of a variable with this range."""
-    return max((abs(end) for end in (low, high) if isfinite(end)), default=1.0) or 1.0
+    """Unit in which a variable with this range is solved for; never a coarser one than its own."""
+    greatest = max((abs(end) for end in (low, high) if isfinite(end)), default=1.0)
+    return min(greatest, 1.0) or 1.0
+
+
+def _cannot_hold(row: Row) -> bool:
+    """Whether a row contradicts itself, whatever the variables are."""
+    return row.low > row.high or (not row.terms and not row.low <= 0.0 <= row.high)
 
 
 def _nothing(status: Status) -> Answer:

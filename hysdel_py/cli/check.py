@@ -105,7 +105,7 @@ def _codes(texts: Iterable[str]) -> set[Code]:
 def _check(file: str, options: argparse.Namespace) -> _Report:
     model, deep = None, None
     try:
-        model = load_model(argparse.Namespace(file=file, param=options.param))
+        model = load_model(argparse.Namespace(file=file, param=options.param, search_path=options.search_path))
         if not missing_parameters(model.typed, model.parameters):
             _ = model.mld  # lowering finds the mistakes that need numbers
             deep = well_posed(model, seconds=seconds_of(options)) if options.deep else None

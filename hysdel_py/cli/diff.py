@@ -3,14 +3,13 @@
 from __future__ import annotations
 
 import argparse
-from typing import Any
 
 from hysdel_py.analysis.diff import diff
 from hysdel_py.analysis.report import VerifyStatus
-from hysdel_py.cli.arguments import add_output, add_parameters, assignments
+from hysdel_py.cli.arguments import add_output, add_parameters, load_model
 from hysdel_py.cli.output import print_json
 from hysdel_py.cli.verify import NOT_SETTLED, add_margins, margins_of, seconds_of
-from hysdel_py.model import Model, load
+from hysdel_py.model import Model
 
 __all__ = ["add_parser"]
 
@@ -44,10 +43,9 @@ def add_parser(commands: argparse._SubParsersAction[argparse.ArgumentParser]) ->
 
 def run(options: argparse.Namespace) -> int:
     """Run the command."""
-    values: dict[str, Any] = dict(assignments(options.param, "--param"))
     report = diff(
-        _loaded(options.old, values),
-        _loaded(options.new, values),
+        _loaded(options.old, options),
+        _loaded(options.new, options),
         margins=margins_of(options),
         seconds=seconds_of(options),
     )
@@ -58,5 +56,5 @@ def run(options: argparse.Namespace) -> int:
     return {VerifyStatus.EQUAL: 0, VerifyStatus.DIFFERENT: 1, VerifyStatus.NOT_SETTLED: NOT_SETTLED}[report.status]
 
 
-def _loaded(name: str, values: dict[str, Any]) -> Model:
-    return load(name, **values)
+def _loaded(name: str, options: argparse.Namespace) -> Model:
+    return load_model(argparse.Namespace(file=name, param=options.param, search_path=options.search_path))

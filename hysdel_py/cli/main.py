@@ -8,7 +8,21 @@ import sys
 from collections.abc import Sequence
 from contextlib import suppress
 
-from hysdel_py.cli import check, compile, demo, diff, drop_in, explain, fmt, lsp, mpc, simulate, stubs, verify
+from hysdel_py.cli import (
+    check,
+    compile,
+    demo,
+    diff,
+    drop_in,
+    explain,
+    explain_infeasible,
+    fmt,
+    lsp,
+    mpc,
+    simulate,
+    stubs,
+    verify,
+)
 from hysdel_py.cli.arguments import join_negative_values
 from hysdel_py.cli.output import print_json
 from hysdel_py.errors import ArgumentError, CompileError, HysdelError
@@ -34,7 +48,7 @@ examples:
 Each command has its own help: hysdel simulate --help
 A shipped model can be named without a path: clutch, three_tanks, two_rooms, two_tanks.
 exit status: 0 fine, 1 the model or the data has a mistake or a run ended early, 2 wrong usage,
-3 a fault of this program, 4 a comparison that was not settled
+3 a fault of this program, 4 not settled (verify, diff, explain-infeasible)
 
 The command line of HYSDEL 2.0.5 is understood as well: hysdel -i model.hys -m model -5; see docs/drop-in.md
 """
@@ -50,7 +64,7 @@ def build_parser() -> argparse.ArgumentParser:
     )
     parser.add_argument("--version", action="version", version=f"hysdel_py {__version__}")
     commands = parser.add_subparsers(dest="command", metavar="COMMAND")
-    for command in (check, explain, compile, simulate, mpc, demo, verify, diff, fmt, stubs, lsp):
+    for command in (check, explain, compile, simulate, mpc, explain_infeasible, demo, verify, diff, fmt, stubs, lsp):
         command.add_parser(commands)
     return parser
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import argparse
 import sys
+from collections.abc import Sequence
 from typing import Any
 
 from hysdel_py.cli.arguments import (
@@ -26,7 +27,7 @@ from hysdel_py.errors import ArgumentError
 from hysdel_py.model import Model
 from hysdel_py.systems.mld import Mld
 
-__all__ = ["add_parser"]
+__all__ = ["add_parser", "limits_of"]
 
 _EPILOG = """\
 examples:
@@ -148,12 +149,18 @@ def _references(options: argparse.Namespace) -> dict[str, float] | None:
     return references or None
 
 
-def _limits(mld: Mld, options: argparse.Namespace) -> Limits:
+def limits_of(mld: Mld, texts: Sequence[str]) -> dict[str, Any]:
+    """The limits of ``NAME=LOW:HIGH`` texts by vector."""
     groups: dict[str, Any] = {"x": {}, "y": {}, "u": {}}
-    for name, value in parts(options.limit, "--limit", "NAME=LOW:HIGH"):
+    for name, value in parts(texts, "--limit", "NAME=LOW:HIGH"):
         if value is None:
             raise ArgumentError(f"--limit {name}: NAME=LOW:HIGH was expected, as in --limit {name}=0:1")
         groups[_group_of(mld, name, "yxu", "--limit")][name] = span(value, f"--limit {name}")
+    return groups
+
+
+def _limits(mld: Mld, options: argparse.Namespace) -> Limits:
+    groups = limits_of(mld, options.limit)
     softened = dict(parts(options.soft, "--soft", "NAME or NAME=PRICE"))
     for name in softened:
         if name not in {**groups["x"], **groups["y"]}:

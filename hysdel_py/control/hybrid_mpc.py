@@ -74,6 +74,8 @@ class HybridMpc:
 
     Attributes
     ----------
+    model : Model or Mld
+        What it was built from.
     mld : Mld
     horizon : int
     formulation : Formulation
@@ -101,6 +103,7 @@ class HybridMpc:
         progress: Callable[..., Any] | None = None,
         tolerances: ControlTolerances = DEFAULT_CONTROL_TOLERANCES,
     ) -> None:
+        self.model = model
         self.mld = _mld_of(model)
         self.horizon = _checked_horizon(horizon, self.mld)
         if progress is not None and not callable(progress):

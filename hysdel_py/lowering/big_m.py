@@ -1,7 +1,8 @@
 """Ranges of affine forms, from which the big-M constants are taken.
 
 ``interval`` is the rule of the original compiler: a variable has its declared range, else the range of its definition;
-a form has the interval of its collected terms.
+a form has the interval of its collected terms. Where neither gives a range, the default bound of the Dha does, if it
+has one, with a warning.
 """
 
 from __future__ import annotations
@@ -43,8 +44,11 @@ class Ranges:
         self._sink = sink
         self._declared = declared or {}
         self._tolerance = dha.tolerances.range
+        self._default = dha.default_bound
         self._known: dict[str, Interval] = {
-            v.name: (v.low, v.high) for v in (*dha.x, *dha.u, *dha.d, *dha.z) if is_finite(v.low) or is_finite(v.high)
+            v.name: (v.low, v.high)
+            for v in (*dha.x, *dha.u, *dha.y, *dha.d, *dha.z)
+            if is_finite(v.low) or is_finite(v.high)
         }
 
     def of(self, form: Affine, limits: Interval | None, origin: Origin) -> Interval:
@@ -90,9 +94,13 @@ class Ranges:
         while path:
             current = path[-1]
             needed = self._missing_for(current)
+            if needed is None and self._assume(current, origin):
+                continue
             if needed is None:
                 self._report(Code.NO_BOUNDS, f"{current} has neither bounds nor a definition", origin, [current])
                 return False
+            if needed in path and self._assume(needed, origin):
+                continue
             if needed in path:
                 circle = [*path[path.index(needed) :], needed]
                 self._report(
@@ -105,6 +113,22 @@ class Ranges:
                 if current not in self._known:
                     self._known[current] = self._from_definition(self._definitions.get(current))
                 path.pop()
+        return True
+
+    def _assume(self, name: str, origin: Origin | None) -> bool:
+        """Give a variable the default bound where an item needs its range; False if there is no default."""
+        if origin is None or math.isinf(self._default):
+            return False
+        self._known[name] = (-self._default, self._default)
+        self._sink.warning(
+            Code.ASSUMED_BOUNDS,
+            f"{name} has no range: [{-self._default:g}, {self._default:g}] of MLD_bigMbound is assumed",
+            self._declared.get(name, Span(origin.start, origin.end)),
+            help=f"outside of it the MLD form has no step; declare the true range, as in REAL {name} [low, high];",
+            labels=(Label(Span(origin.start, origin.end), "this item needs it for a big-M constant"),)
+            if name in self._declared
+            else (),
+        )
         return True
 
     def _missing_for(self, name: str) -> str | None:
@@ -133,7 +157,8 @@ class Ranges:
             code,
             f"this item needs a big-M constant, but {fact}",
             Span(origin.start, origin.end),
-            help=f"declare a range, as in REAL {names[0] if names else 'x'} [low, high];",
+            help=f"declare a range, as in REAL {names[0] if names else 'x'} [low, high]; or one for all variables that "
+            "have none, by the parameter REAL MLD_bigMbound = 1e4;",
             labels=tuple(Label(self._declared[name], "declared here") for name in names if name in self._declared),
         )
 

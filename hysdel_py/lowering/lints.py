@@ -134,7 +134,10 @@ class _Checks:
 
     def missing_bounds(self) -> None:
         """Real states and inputs without a range."""
+        assumed = {d.span for d in self._sink.diagnostics if d.code is Code.ASSUMED_BOUNDS}
         for symbol in self._model.symbols:
+            if symbol.span in assumed:
+                continue
             if symbol.is_real and symbol.bounds is None and symbol.role.name in ("STATE", "INPUT"):
                 self._sink.note(
                     Code.MISSING_BOUNDS,

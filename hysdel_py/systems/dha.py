@@ -12,6 +12,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
 from graphlib import CycleError, TopologicalSorter
+from math import inf
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -121,6 +122,9 @@ class Dha:
         Items in file order, then the generated definitions in the order of their creation.
     source : str
         Name of the source file.
+    default_bound : float
+        What bounds, in absolute value, a variable whose range the MLD form needs and nothing gives; infinite for none.
+        The step does not look at it.
     """
 
     name: str
@@ -132,6 +136,7 @@ class Dha:
     items: tuple[DhaItem, ...]
     source: str = ""
     tolerances: Tolerances = field(default=DEFAULT_TOLERANCES)
+    default_bound: float = inf
 
     @cached_property
     def definitions(self) -> Mapping[str, Definition]:

@@ -53,6 +53,15 @@ def test_none(contradiction):
     assert problem.refine(np.zeros(1)).status is Status.NONE
 
 
+def test_without_variables():
+    assert Milp().search().status is Status.FOUND
+    assert settle(Milp(), {}, -1.0, lambda w: True, Clock()).found is Found.POINT
+    assert settle(Milp(), {}, 0.0, lambda w: True, Clock()).found is Found.NONE
+    impossible = Milp()
+    impossible.row({}, low=1.0)
+    assert impossible.search().status is impossible.refine(np.zeros(0)).status is Status.NONE
+
+
 def test_bounds_that_cross():
     problem = Milp()
     problem.real(1.0, 0.0)

@@ -214,6 +214,15 @@ def test_two_solutions_of_a_loop():
     assert {check.status for check in report.failed()} == {CheckStatus.DOUBTFUL}
 
 
+@pytest.mark.parametrize("must", ["FALSE;", "TRUE;", "1 <= 2;", "2 <= 1;", "x <= 1; FALSE;"])
+def test_must_without_variables(must):
+    text = "SYSTEM s { INTERFACE { STATE { REAL x [-1, 1]; } } IMPLEMENTATION { CONTINUOUS { x = x; } MUST { %s } } }"
+    model = hys.load(text % must)
+    assert hys.verify(model, points=4).is_equal
+    if model.mld.ne:
+        assert hys.verify(model, mld=flip_row(model.mld, model.mld.ne - 1), points=4).status is VerifyStatus.DIFFERENT
+
+
 def test_other_variables_are_refused(model):
     with pytest.raises(hys.ArgumentError, match=r"the Mld has the state vector .*: \(x, b\) was expected"):
         hys.verify(model, mld=hys.load("clutch").mld)
