@@ -9,6 +9,12 @@ from typing import TYPE_CHECKING
 from hysdel_py.version import __version__
 
 if TYPE_CHECKING:
+    from hysdel_py.analysis.diff import diff
+    from hysdel_py.analysis.diff_report import Difference
+    from hysdel_py.analysis.margins import Margins
+    from hysdel_py.analysis.report import Verification
+    from hysdel_py.analysis.verify import verify
+    from hysdel_py.analysis.well_posed import WellPosedness, well_posed
     from hysdel_py.control.closed_loop import closed_loop
     from hysdel_py.control.costs import Cost
     from hysdel_py.control.hybrid_mpc import HybridMpc, Move, MoveStatus
@@ -26,10 +32,11 @@ if TYPE_CHECKING:
     from hysdel_py.systems.trajectory import Trajectory
 
 __all__ = [
-    "ArgumentError", "CompileError", "Cost", "Dha", "Explanation", "HybridMpc", "HysdelError", "Limits", "Mld",
-    "Model", "Move", "MoveStatus", "Pwa", "SimulationError", "Trajectory", "__version__", "audit", "closed_loop",
-    "explain_infeasible", "load", "read_json", "shipped_models", "simulate", "to_dha", "to_mld", "to_pwa",
-    "to_symbolic_mld",
+    "ArgumentError", "CompileError", "Cost", "Dha", "Difference", "Explanation", "HybridMpc", "HysdelError",
+    "Limits", "Margins", "Mld", "Model", "Move", "MoveStatus", "Pwa", "SimulationError", "Trajectory",
+    "Verification", "WellPosedness", "__version__", "audit", "closed_loop", "diff", "explain_infeasible", "load",
+    "read_json", "shipped_models", "simulate", "to_dha", "to_mld", "to_pwa", "to_symbolic_mld", "verify",
+    "well_posed",
 ]  # fmt: skip
 
 _HOME = {
@@ -40,6 +47,9 @@ _HOME = {
     "simulate": "systems.simulation", "Cost": "control.costs", "Limits": "control.limits",
     "HybridMpc": "control.hybrid_mpc", "Move": "control.hybrid_mpc", "MoveStatus": "control.hybrid_mpc",
     "closed_loop": "control.closed_loop",
+    "Margins": "analysis.margins", "Verification": "analysis.report", "verify": "analysis.verify",
+    "Difference": "analysis.diff_report", "diff": "analysis.diff",
+    "WellPosedness": "analysis.well_posed", "well_posed": "analysis.well_posed",
     "explain_infeasible": "reports.explain_infeasible", "Explanation": "reports.explanation",
 }  # fmt: skip
 

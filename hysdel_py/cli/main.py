@@ -23,6 +23,8 @@ COMMANDS = (
     "check",
     "explain",
     "audit",
+    "verify",
+    "diff",
     "compile",
     "show",
     "graph",
@@ -46,13 +48,15 @@ examples:
   hysdel audit two_tanks                    big-M constants, and the ranges that make them large
   hysdel show two_tanks --form pwa          the modes of the piecewise affine form
   hysdel simulate two_tanks --x0 0.1,0.2 --input 1e-4,1
+  hysdel verify model.hys                   show that the matrices have the steps of the model
+  hysdel diff old.hys new.hys               where two models differ, with a point that shows it
   hysdel fmt model.hys                      bring it into the canonical layout
   hysdel mpc two_tanks --x0 0.1,0.4 --horizon 6 --weight level2=10 --ref level2=0.3
 
 Each command has its own help: hysdel simulate --help
 A shipped model can be named without a path: clutch, three_tanks, two_rooms, two_tanks.
 exit status: 0 fine, 1 the model or the data has a mistake or a run ended early, 2 wrong usage,
-3 a fault of this program, 4 not settled (explain-infeasible)
+3 a fault of this program, 4 not settled (verify, diff, explain-infeasible)
 
 The command line of HYSDEL 2.0.5 is understood as well: hysdel -i model.hys -m model -5; see docs/drop-in.md
 """
