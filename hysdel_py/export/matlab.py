@@ -99,7 +99,7 @@ def _matrices(compiled: Compiled, style: NumberStyle) -> Iterator[str]:
         if affine:
             yield matrix(f"S.{constant}", dense(mld, constant)[:, None], style)
     for name in ("E1", "E2", "E3", "E4", "E5"):
-        entries = dense(mld, name)
+        entries = getattr(mld, name)
         yield matrix(f"S.{name}", entries[:, None] if entries.ndim == 1 else entries, style)
     for name in ("A", "B1", "C", "D1"):
         yield f"S.{name} = [S.{name}rr, S.{name}rb; S.{name}br, S.{name}bb];"

@@ -18,6 +18,7 @@ from hysdel_py.lowering.cnf import TooManyClauses, cnf
 from hysdel_py.lowering.constants import Constants
 from hysdel_py.lowering.expressions import ExpressionLowering, mentions_constant
 from hysdel_py.lowering.generated import Generated, check_finite
+from hysdel_py.lowering.truth import MAX_NAMES, constant_truth
 from hysdel_py.semantics.expressions import Expression
 from hysdel_py.semantics.symbols import EPSILON, Role, Symbol
 from hysdel_py.semantics.typed_model import Branch, Choice, Equation, Item, Requirement, Threshold, Triple, TypedModel
@@ -273,7 +274,9 @@ class _ItemLowering:
 
 
 def _is_tautology(formula: Formula) -> bool:
-    """Whether a formula is always true; one that expands beyond the limit of clauses counts as not."""
+    """Whether a formula is always true; one over many names that has too many clauses counts as not."""
+    if len(formula.names) <= MAX_NAMES:
+        return constant_truth(formula) is True
     try:
         return not cnf(formula)
     except TooManyClauses:
