@@ -6,7 +6,7 @@ microseconds where numba is installed.
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from time import perf_counter
 from typing import Any
 
@@ -15,9 +15,10 @@ from numpy.typing import NDArray
 
 from hysdel_py.optimize.backends.answer import checked_result, failed_result
 from hysdel_py.optimize.kernels.compiled import COMPILED
+from hysdel_py.optimize.mixed_integer import Miqp
 from hysdel_py.optimize.qp import Qp, QpResult, QpSettings, QpStatus
 
-__all__ = ["DenseSolver", "DenseSettings"]
+__all__ = ["Active", "DenseSettings", "DenseSolver", "dense_engine"]
 
 Vector = NDArray[np.float64]
 Indices = NDArray[np.int64]
@@ -129,14 +130,16 @@ NO_GUESS: Active = np.zeros((0, 2), dtype=np.int64)
 _STATUS = {0: QpStatus.OPTIMAL, 1: QpStatus.INFEASIBLE, 3: QpStatus.ITERATION_LIMIT}
 
 
-def usable() -> bool:
-    """Whether the kernels are compiled, without which the sparse solvers are faster."""
-    return COMPILED
+def dense_engine(miqp: Miqp, engine: str) -> DenseSolver | None:
+    """The dense solver if the engine is wanted: always for "dense", for "auto" where the kernels are compiled."""
+    if engine == "sparse" or (engine == "auto" and not COMPILED):
+        return None
+    integer = np.zeros(miqp.qp.n, dtype=bool)
+    integer[miqp.binaries] = True
+    return DenseSolver(miqp.qp, integer)
 
 
 def _with_ray(result: QpResult, y: Vector, iterations: int, seconds: float) -> QpResult:
-    from dataclasses import replace
-
     return replace(result, y=y, iterations=iterations, seconds=seconds)
 
 

@@ -26,7 +26,7 @@ DEPENDENT = 1e-10
 
 
 @kernel
-def inverse_factor(H):  # type: ignore[no-untyped-def]
+def inverse_factor(H):
     """The transposed inverse of the Cholesky factor; the flag tells whether H is positive definite."""
     n = len(H)
     L = np.zeros((n, n))
@@ -55,7 +55,7 @@ def inverse_factor(H):  # type: ignore[no-untyped-def]
 
 
 @kernel
-def solve(N, b, f, work, cutoff, settings):  # type: ignore[no-untyped-def]
+def solve(N, b, f, work, cutoff, settings):
     """Run from the active set of the work space.
 
     Parameters
@@ -115,7 +115,7 @@ def solve(N, b, f, work, cutoff, settings):  # type: ignore[no-untyped-def]
 
 
 @kernel
-def dot(a, b):  # type: ignore[no-untyped-def]
+def dot(a, b):
     """Inner product."""
     total = 0.0
     for i in range(len(a)):
@@ -124,7 +124,7 @@ def dot(a, b):  # type: ignore[no-untyped-def]
 
 
 @kernel
-def square(d, first):  # type: ignore[no-untyped-def]
+def square(d, first):
     """Squared length of the entries from `first` on."""
     total = 0.0
     for i in range(first, len(d)):
@@ -133,7 +133,7 @@ def square(d, first):  # type: ignore[no-untyped-def]
 
 
 @kernel
-def most_violated(N, b, v, tolerance):  # type: ignore[no-untyped-def]
+def most_violated(N, b, v, tolerance):
     """Row that is missed by most, -1 if all hold."""
     worst, at = tolerance, -1
     for row in range(len(b)):
@@ -144,7 +144,7 @@ def most_violated(N, b, v, tolerance):  # type: ignore[no-untyped-def]
 
 
 @kernel
-def dual_value(v, f, b, work):  # type: ignore[no-untyped-def]
+def dual_value(v, f, b, work):
     """Value at the minimiser over the active rows: half of f'v plus half of u'b."""
     total = dot(f, v)
     for i in range(work[4][0]):
@@ -153,7 +153,7 @@ def dual_value(v, f, b, work):  # type: ignore[no-untyped-def]
 
 
 @kernel
-def directions(normal, work):  # type: ignore[no-untyped-def]
+def directions(normal, work):
     """``d = J'normal``, the primal direction ``J2 d2`` and the dual one ``R^-1 d1``."""
     J, R, count = work[0], work[1], work[4][0]
     n = len(normal)
@@ -179,7 +179,7 @@ def directions(normal, work):  # type: ignore[no-untyped-def]
 
 
 @kernel
-def longest_dual_step(r, work):  # type: ignore[no-untyped-def]
+def longest_dual_step(r, work):
     """Step at which the first multiplier becomes zero, and its place."""
     step, leaving = np.inf, -1
     for i in range(work[4][0]):
@@ -189,7 +189,7 @@ def longest_dual_step(r, work):  # type: ignore[no-untyped-def]
 
 
 @kernel
-def add(row, multiplier, d, work):  # type: ignore[no-untyped-def]
+def add(row, multiplier, d, work):
     """Put a row into the active set; `d` is J times its normal."""
     J, R, count = work[0], work[1], work[4][0]
     n = len(d)
@@ -204,7 +204,7 @@ def add(row, multiplier, d, work):  # type: ignore[no-untyped-def]
 
 
 @kernel
-def rotate(J, d, j):  # type: ignore[no-untyped-def]
+def rotate(J, d, j):
     """Turn columns j-1 and j of J so that entry j of d vanishes."""
     length = np.hypot(d[j - 1], d[j])
     c, s = d[j - 1] / length, d[j] / length
@@ -216,7 +216,7 @@ def rotate(J, d, j):  # type: ignore[no-untyped-def]
 
 
 @kernel
-def drop(place, work):  # type: ignore[no-untyped-def]
+def drop(place, work):
     """Take a row out of the active set."""
     J, R, active, u, count = work[0], work[1], work[2], work[3], work[4][0]
     for k in range(place, count - 1):
@@ -239,7 +239,7 @@ def drop(place, work):  # type: ignore[no-untyped-def]
 
 
 @kernel
-def minimise_over_active(b, f, work):  # type: ignore[no-untyped-def]
+def minimise_over_active(b, f, work):
     """Point and multipliers of the active rows taken as equations; rows with negative multipliers are let go."""
     while True:
         point_of_active(b, f, work)
@@ -253,7 +253,7 @@ def minimise_over_active(b, f, work):  # type: ignore[no-untyped-def]
 
 
 @kernel
-def point_of_active(b, f, work):  # type: ignore[no-untyped-def]
+def point_of_active(b, f, work):
     """With w = J^-1 v: ``R'w1 = b_A``, ``w2 = -J2'f``, ``R u = w1 + J1'f``."""
     J, R, active, u, count, v = work[0], work[1], work[2], work[3], work[4][0], work[5]
     n = len(v)
@@ -277,7 +277,7 @@ def point_of_active(b, f, work):  # type: ignore[no-untyped-def]
 
 
 @kernel
-def start_from(rows, N, work):  # type: ignore[no-untyped-def]
+def start_from(rows, N, work):
     """Build the factors of a wished active set; rows that depend on those before are left out."""
     for row in rows:
         if work[4][0] >= len(work[5]):

@@ -27,7 +27,7 @@ FREE, DEFINED, CONSTANT = 0, 1, 2
 
 
 @kernel
-def condense(problem, groups, box, wide):  # type: ignore[no-untyped-def]
+def condense(problem, groups, box, wide):
     """Reduce a node.
 
     Parameters
@@ -67,26 +67,27 @@ def condense(problem, groups, box, wide):  # type: ignore[no-untyped-def]
             k += 1
     Z = substitute(rows, groups, merged, (kind, value, defining, place), k)
     H, f = project(P, q, Z, k)
-    N, b, source, length = inequalities(problem, groups, merged, (kind, defining, place), (Z, box, wide))
+    N, b, source, length = inequalities(problem, groups, merged, (kind, defining), (Z, box, wide))
     return Z, H, f, N, b, source, length, defining, merged
 
 
 @kernel
-def classify(box):  # type: ignore[no-untyped-def]
+def classify(box):
     """Which variables are constant, and their values."""
     lb, ub = box
     n = len(lb)
     kind = np.zeros(n, dtype=np.int64)
     value = np.zeros(n)
     for j in range(n):
-        if ub[j] - lb[j] <= FIXED * (1.0 + abs(lb[j])):
+        width = ub[j] - lb[j]
+        if np.isfinite(width) and width <= FIXED * (1.0 + abs(lb[j])):
             kind[j] = CONSTANT
             value[j] = lb[j] if ub[j] <= lb[j] else 0.5 * (lb[j] + ub[j])
     return kind, value
 
 
 @kernel
-def merge_groups(rows, l, u, groups, integer, box):  # type: ignore[no-untyped-def]
+def merge_groups(rows, l, u, groups, integer, box):
     """Tightest sides of each group over its rows whose binaries are all fixed.
 
     Returns arrays of shape (groups,): low, high, the rows that give them (-1 for none), and whether the two meet; and
@@ -118,7 +119,7 @@ def merge_groups(rows, l, u, groups, integer, box):  # type: ignore[no-untyped-d
 
 
 @kernel
-def fixed_part(row, rows, integer, box):  # type: ignore[no-untyped-def]
+def fixed_part(row, rows, integer, box):
     """Sum of the binary terms of a row, and whether all of them are fixed."""
     start, column, value = rows
     total = 0.0
@@ -132,7 +133,7 @@ def fixed_part(row, rows, integer, box):  # type: ignore[no-untyped-def]
 
 
 @kernel
-def define(rows, groups, merged, kind, n):  # type: ignore[no-untyped-def]
+def define(rows, groups, merged, kind, n):
     """Let each group whose sides meet define its last free variable; marks these in `kind`.
 
     Returns the group that defines each variable, -1 for none.
@@ -157,7 +158,7 @@ def define(rows, groups, merged, kind, n):  # type: ignore[no-untyped-def]
 
 
 @kernel
-def substitute(rows, groups, merged, places, k):  # type: ignore[no-untyped-def]
+def substitute(rows, groups, merged, places, k):
     """All variables in terms of the free ones, in rising order, so that what a row needs is there already."""
     start, column, value = rows
     kind, constant, defining, place = places
@@ -186,7 +187,7 @@ def substitute(rows, groups, merged, places, k):  # type: ignore[no-untyped-def]
 
 
 @kernel
-def project(P, q, Z, k):  # type: ignore[no-untyped-def]
+def project(P, q, Z, k):
     """Hessian and gradient in the free variables."""
     start, column, value = P
     n = len(q)
@@ -210,10 +211,10 @@ def project(P, q, Z, k):  # type: ignore[no-untyped-def]
 
 
 @kernel
-def inequalities(problem, groups, merged, places, ranges):  # type: ignore[no-untyped-def]
+def inequalities(problem, groups, merged, places, ranges):
     """Sides of rows and bounds of variables that the box does not settle, as rows ``N v >= b`` of unit length."""
-    _, _, rows, l, u, _ = problem
-    kind, defining, place = places
+    rows, l = problem[2], problem[3]
+    kind, defining = places
     Z, box, wide = ranges
     n, k, m = len(kind), Z.shape[1] - 1, len(l)
     limit = 2 * (m + n)
@@ -248,7 +249,7 @@ def inequalities(problem, groups, merged, places, ranges):  # type: ignore[no-un
 
 
 @kernel
-def owned(g, rows, groups, defining):  # type: ignore[no-untyped-def]
+def owned(g, rows, groups, defining):
     """Whether a group defines a variable."""
     row = groups[1][groups[0][g]]
     for at in range(rows[0][row], rows[0][row + 1]):
@@ -258,7 +259,7 @@ def owned(g, rows, groups, defining):  # type: ignore[no-untyped-def]
 
 
 @kernel
-def implied(j, g, rows, groups, merged, box, low, high):  # type: ignore[no-untyped-def]
+def implied(j, g, rows, groups, merged, box, low, high):
     """Whether the definition keeps a variable within its bounds for every point of the box."""
     start, column, value = rows
     row = groups[1][groups[0][g]]
@@ -278,7 +279,7 @@ def implied(j, g, rows, groups, merged, box, low, high):  # type: ignore[no-unty
 
 
 @kernel
-def put_row(row, upper, problem, ranges, out, count):  # type: ignore[no-untyped-def]
+def put_row(row, upper, problem, ranges, out, count):
     """One side of a row of the problem, unless the box settles it."""
     start, column, value = problem[2]
     side = problem[4][row] if upper else problem[3][row]
@@ -299,7 +300,7 @@ def put_row(row, upper, problem, ranges, out, count):  # type: ignore[no-untyped
 
 
 @kernel
-def put(form, sign, side, source, out, count):  # type: ignore[no-untyped-def]
+def put(form, sign, side, source, out, count):
     """``sign * form <= side`` as a row of unit length, unless nothing free is in it."""
     N, b, sources, length = out
     k = N.shape[1]
@@ -318,7 +319,7 @@ def put(form, sign, side, source, out, count):  # type: ignore[no-untyped-def]
 
 
 @kernel
-def lift_multipliers(problem, groups, condensed, gradient, active, weight):  # type: ignore[no-untyped-def]
+def lift_multipliers(problem, groups, condensed, gradient, active, weight):
     """Multipliers of all rows from those of the active inequalities.
 
     Parameters
@@ -357,14 +358,14 @@ def lift_multipliers(problem, groups, condensed, gradient, active, weight):  # t
 
 
 @kernel
-def spread(row, amount, rows, gradient):  # type: ignore[no-untyped-def]
+def spread(row, amount, rows, gradient):
     """Add a multiple of a row to the gradient."""
     for at in range(rows[0][row], rows[0][row + 1]):
         gradient[rows[1][at]] += amount * rows[2][at]
 
 
 @kernel
-def entry(row, j, rows):  # type: ignore[no-untyped-def]
+def entry(row, j, rows):
     """Coefficient of a variable in a row."""
     for at in range(rows[0][row], rows[0][row + 1]):
         if rows[1][at] == j:

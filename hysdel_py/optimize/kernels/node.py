@@ -14,10 +14,12 @@ inverse_factor, solve, start_from = active_set.inverse_factor, active_set.solve,
 EMPTY, LIMIT = active_set.EMPTY, active_set.LIMIT
 TOO_LARGE = 4
 """Status of a node with more free variables than wanted."""
+ASTRAY = 1e-6
+"""The proximal steps have not settled while their pull exceeds this, relative to the greatest curvature."""
 
 
 @kernel
-def solve_node(problem, groups, box, wide, guess, settings):  # type: ignore[no-untyped-def]
+def solve_node(problem, groups, box, wide, guess, settings):
     """Condense and solve.
 
     Parameters
@@ -52,7 +54,7 @@ def solve_node(problem, groups, box, wide, guess, settings):  # type: ignore[no-
         J, np.zeros((k, k)), np.zeros(k, dtype=np.int64), np.zeros(k), np.zeros(1, dtype=np.int64), np.zeros(k)
     )  # fmt: skip
     start_from(places_of(guess, source, len(problem[3]), len(Z)), N, work)
-    status, iterations, row = LIMIT, 0, -1
+    status, iterations, row, moved = LIMIT, 0, -1, 0.0
     centre = middle(Z, box, k)
     for _ in range(settings[3]):
         status, count, row = solve(N, b, f - rho * centre, work, np.inf, (settings[0], settings[1]))
@@ -63,6 +65,8 @@ def solve_node(problem, groups, box, wide, guess, settings):  # type: ignore[no-
             centre[i] = work[5][i]
         if status != 0 or rho * moved <= settings[0] * max(scale, 1e-6):
             break
+    if status == 0 and rho * moved > ASTRAY * max(scale, 1e-6):
+        status = LIMIT
     size = work[4][0]
     active, weight = work[2][:size].copy(), work[3][:size].copy()
     w = point(Z, work[5])
@@ -76,7 +80,7 @@ def solve_node(problem, groups, box, wide, guess, settings):  # type: ignore[no-
 
 
 @kernel
-def middle(Z, box, k):  # type: ignore[no-untyped-def]
+def middle(Z, box, k):
     """Middle of the box in the free variables."""
     centre = np.zeros(k)
     for j in range(len(Z)):
@@ -88,7 +92,7 @@ def middle(Z, box, k):  # type: ignore[no-untyped-def]
 
 
 @kernel
-def places_of(guess, source, m, n):  # type: ignore[no-untyped-def]
+def places_of(guess, source, m, n):
     """Numbers of the wished inequalities among those of this node."""
     at = np.full((m + n, 2), -1, dtype=np.int64)
     for i in range(len(source)):
@@ -104,7 +108,7 @@ def places_of(guess, source, m, n):  # type: ignore[no-untyped-def]
 
 
 @kernel
-def point(Z, v):  # type: ignore[no-untyped-def]
+def point(Z, v):
     """All variables."""
     n, k = Z.shape[0], Z.shape[1] - 1
     w = np.zeros(n)
@@ -117,7 +121,7 @@ def point(Z, v):  # type: ignore[no-untyped-def]
 
 
 @kernel
-def gradient_at(problem, w):  # type: ignore[no-untyped-def]
+def gradient_at(problem, w):
     """``P w + q``."""
     start, column, value = problem[0]
     gradient = problem[1].copy()

@@ -16,7 +16,7 @@ ROUNDOFF = 2.0 * float(np.finfo(np.float64).eps)
 
 
 @kernel
-def propagate(rows, columns, integer, box, sides, queued, settings):  # type: ignore[no-untyped-def]
+def propagate(rows, columns, integer, box, sides, queued, settings):
     """Shrink a box in place.
 
     Parameters
@@ -54,7 +54,7 @@ def propagate(rows, columns, integer, box, sides, queued, settings):  # type: ig
 
 
 @kernel
-def tighten(row, rows, columns, integer, box, sides, queued, settings):  # type: ignore[no-untyped-def]
+def tighten(row, rows, columns, integer, box, sides, queued, settings):
     """Bounds that one row implies; marks the rows that touch what moved."""
     start, column, value = rows
     first, last = start[row], start[row + 1]
@@ -97,13 +97,13 @@ def tighten(row, rows, columns, integer, box, sides, queued, settings):  # type:
 
 
 @kernel
-def m_of(start):  # type: ignore[no-untyped-def]
+def m_of(start):
     """Number of rows."""
     return len(start) - 1
 
 
 @kernel
-def activity(first, last, column, value, box, huge):  # type: ignore[no-untyped-def]
+def activity(first, last, column, value, box, huge):
     """Finite parts of the least and greatest value of a row, how many terms are endless, and the size of the terms."""
     low = high = size = 0.0
     low_endless = high_endless = 0
@@ -125,7 +125,7 @@ def activity(first, last, column, value, box, huge):  # type: ignore[no-untyped-
 
 
 @kernel
-def update(j, new_low, new_high, integer, box, settings):  # type: ignore[no-untyped-def]
+def update(j, new_low, new_high, integer, box, settings):
     """Take over bounds that are worth it; integers are rounded inwards."""
     margin, integrality, progress, huge = settings[0], settings[1], settings[2], settings[3]
     if integer[j]:
