@@ -151,7 +151,7 @@ class VerifiedSolver:
         return best
 
     def _dense_verdict(self, judged: Qp, qp: Qp, guess: Start | None) -> Verdict | None:
-        """Word of the dense solver, which needs finite bounds, if it has one."""
+        """Word of the dense solver, if it has one."""
         if self.dense is None or np.any(judged.lb > judged.ub):
             return None
         self.solves += 1
@@ -159,7 +159,8 @@ class VerifiedSolver:
             qp, (judged.lb, judged.ub), None if guess is None else guess.active, self.settings
         )
         answer = replace(answer, objective=answer.objective - qp.constant + self.qp.constant)
-        return replace(self._judge(judged, answer), active=active)
+        verdict = replace(self._judge(judged, answer), active=active)
+        return verdict if verdict.optimal or verdict.infeasible else None
 
     def _opinions(self, qp: Qp, guess: Start | None) -> Iterator[QpResult]:
         """Answers of the chosen solver: first of the form of the problem that suits it, then of the other one."""
