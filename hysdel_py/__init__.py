@@ -11,11 +11,16 @@ from hysdel_py.version import __version__
 if TYPE_CHECKING:
     from hysdel_py.control.closed_loop import closed_loop
     from hysdel_py.control.costs import Cost
+    from hysdel_py.control.disturbance import with_disturbances
     from hysdel_py.control.hybrid_mpc import HybridMpc, Move, MoveStatus
     from hysdel_py.control.limits import Limits
+    from hysdel_py.control.moving_horizon import Estimate, MovingHorizonEstimator
+    from hysdel_py.control.observer import KalmanObserver
     from hysdel_py.errors import ArgumentError, CompileError, HysdelError, SimulationError
     from hysdel_py.export.reading import read_json
     from hysdel_py.model import Model, load, to_dha, to_mld, to_symbolic_mld
+    from hysdel_py.optimize.case_file import CaseFile, read_case
+    from hysdel_py.optimize.node_log import NodeLog
     from hysdel_py.shipped import shipped_models
     from hysdel_py.systems.dha import Dha
     from hysdel_py.systems.mld import Mld
@@ -23,9 +28,10 @@ if TYPE_CHECKING:
     from hysdel_py.systems.trajectory import Trajectory
 
 __all__ = [
-    "ArgumentError", "CompileError", "Cost", "Dha", "HybridMpc", "HysdelError", "Limits", "Mld", "Model", "Move",
-    "MoveStatus", "SimulationError", "Trajectory", "__version__", "closed_loop", "load", "read_json", "shipped_models",
-    "simulate", "to_dha", "to_mld", "to_symbolic_mld",
+    "ArgumentError", "CaseFile", "CompileError", "Cost", "Dha", "Estimate", "HybridMpc", "HysdelError",
+    "KalmanObserver", "Limits", "Mld", "Model", "Move", "MoveStatus", "MovingHorizonEstimator", "NodeLog",
+    "SimulationError", "Trajectory", "__version__", "closed_loop", "load", "read_case", "read_json",
+    "shipped_models", "simulate", "to_dha", "to_mld", "to_symbolic_mld", "with_disturbances",
 ]  # fmt: skip
 
 _HOME = {
@@ -35,7 +41,10 @@ _HOME = {
     "Dha": "systems.dha", "Mld": "systems.mld", "Trajectory": "systems.trajectory",
     "simulate": "systems.simulation", "Cost": "control.costs", "Limits": "control.limits",
     "HybridMpc": "control.hybrid_mpc", "Move": "control.hybrid_mpc", "MoveStatus": "control.hybrid_mpc",
-    "closed_loop": "control.closed_loop",
+    "closed_loop": "control.closed_loop", "Estimate": "control.moving_horizon",
+    "MovingHorizonEstimator": "control.moving_horizon", "KalmanObserver": "control.observer",
+    "with_disturbances": "control.disturbance", "CaseFile": "optimize.case_file", "read_case": "optimize.case_file",
+    "NodeLog": "optimize.node_log",
 }  # fmt: skip
 
 

@@ -8,7 +8,7 @@ import sys
 from collections.abc import Sequence
 from contextlib import suppress
 
-from hysdel_py.cli import check, compile, demo, drop_in, explain, fmt, lsp, mpc, simulate, stubs
+from hysdel_py.cli import check, compile, demo, drop_in, explain, fmt, lsp, mpc, simulate, solve, stubs
 from hysdel_py.cli.arguments import join_negative_values
 from hysdel_py.cli.output import print_json
 from hysdel_py.errors import ArgumentError, CompileError, HysdelError
@@ -48,7 +48,7 @@ def build_parser() -> argparse.ArgumentParser:
     )
     parser.add_argument("--version", action="version", version=f"hysdel_py {__version__}")
     commands = parser.add_subparsers(dest="command", metavar="COMMAND")
-    for command in (check, explain, compile, simulate, mpc, demo, fmt, stubs, lsp):
+    for command in (check, explain, compile, simulate, mpc, solve, demo, fmt, stubs, lsp):
         command.add_parser(commands)
     return parser
 

@@ -47,13 +47,16 @@ class CaseFile:
     variables: tuple[str, ...] = ()
     rows: tuple[str, ...] = ()
 
-    def solve(self, settings: MiqpSettings | None = None) -> MiqpResult:
-        """Solve with the settings of the file or others: HiGHS without a quadratic term, else branch and bound."""
+    def solve(self, settings: MiqpSettings | None = None, **vectors: Any) -> MiqpResult:
+        """Solve with the settings of the file or others: HiGHS without a quadratic term, else branch and bound.
+
+        Further keywords go to the search.
+        """
         from hysdel_py.optimize.milp import solve_milp
         from hysdel_py.optimize.miqp import solve_miqp
 
         engine = solve_miqp if self.miqp.qp.P.nnz else solve_milp
-        return engine(self.miqp, settings or self.settings)
+        return engine(self.miqp, settings or self.settings, **vectors)
 
 
 def write_case(
