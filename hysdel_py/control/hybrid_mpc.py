@@ -14,15 +14,15 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from hysdel_py.control import construction, outcome
+from hysdel_py.control import construction
 from hysdel_py.control import fallback as fallbacks
 from hysdel_py.control.costs import Cost
 from hysdel_py.control.fallback import Fallback, Reserve, check_fallback
-from hysdel_py.control.formulation import Formulation, Vectors, formulate
-from hysdel_py.control.layout import Plan
+from hysdel_py.control.formulation import Formulation, formulate
 from hysdel_py.control.limits import Limits
 from hysdel_py.control.move import Case, Move, MoveStatus
-from hysdel_py.control.prediction import choose_step, shifted, simulated_binaries
+from hysdel_py.control.planner import Planner
+from hysdel_py.control.prediction import choose_step
 from hysdel_py.control.references import Reference, choose_references
 from hysdel_py.control.settings import DEFAULT_CONTROL_TOLERANCES, ControlTolerances
 from hysdel_py.control.shape import choose_shape
@@ -33,7 +33,7 @@ if TYPE_CHECKING:
     from pathlib import Path
 
     from hysdel_py.control.explanation import Explanation
-    from hysdel_py.optimize.miqp import Miqp, MiqpResult
+    from hysdel_py.optimize.miqp import Miqp
 
 __all__ = ["HybridMpc", "Move", "MoveStatus"]
 
@@ -128,22 +128,20 @@ class HybridMpc:
         self.formulation: Formulation = formulate(self.mld, self.horizon, weights, bands, shape)
         self.tolerances = tolerances
         self.sample_time: float = getattr(model, "sample_time", 1.0)
-        self._progress = construction.checked_callable(progress, "progress")
-        self._step = choose_step(model, self.mld)
         limits_of_search = {"time_limit": time_limit, "node_limit": node_limit}
         settings = construction.search_settings(backend, limits_of_search, gap_rel, gap_abs, tolerances.feasibility)
-        self._solver = construction.make_solver(self.formulation, settings)
-        self._plan: Plan | None = None
+        step, callback = choose_step(model, self.mld), construction.checked_callable(progress, "progress")
+
+        def planner(formulation: Formulation) -> Planner:
+            return Planner(formulation, settings, step, tolerances, progress=callback)
+
+        self._planner = planner(self.formulation)
         self._fallback = check_fallback(fallback, limits)
         self._reserve: Reserve | None = None
-        self._softened = (
-            HybridMpc(
-                model, horizon, cost, replace(limits, soft=True), references, backend=backend, time_limit=time_limit,
-                node_limit=node_limit, gap_rel=gap_rel, gap_abs=gap_abs, tolerances=tolerances, blocking=blocking,
-                control_horizon=control_horizon, binary_horizon=binary_horizon,
-            )
-            if fallback == "soft" else None
-        )  # fmt: skip
+        self._softened: Planner | None = None
+        if fallback == "soft":
+            softened = replace(limits, soft=True).resolve(self.mld, self.horizon)
+            self._softened = planner(formulate(self.mld, self.horizon, weights, softened, shape))
 
     @property
     def uses_last_input(self) -> bool:
@@ -152,7 +150,10 @@ class HybridMpc:
 
     def reset(self) -> None:
         """Forget the last plan."""
-        self._plan = self._reserve = None
+        self._reserve = None
+        for planner in (self._planner, self._softened):
+            if planner is not None:
+                planner.reset()
 
     def solve(
         self,
@@ -190,11 +191,11 @@ class HybridMpc:
         begin = time.perf_counter()
         measured, table = as_vector(x, self.mld.x, "state"), self.references.table(ref)
         last = self._last_input(last_input)
-        move = self._planned(measured, table, last, warm)
+        move = self._planner.plan(measured, table, last, warm=warm, sample_time=self.sample_time)
         if move.ok:
             self._reserve = None if move.predicted is None else Reserve(move.predicted.u)
         elif self._fallback is not None:
-            move = self._fall_back(move, measured, ref, last)
+            move = self._fall_back(move, measured, table, last)
         return replace(move, seconds=time.perf_counter() - begin)
 
     def _last_input(self, given: LastInput) -> Matrix | None:
@@ -207,29 +208,16 @@ class HybridMpc:
             )
         return None
 
-    def _planned(self, measured: Matrix, table: Mapping[str, Matrix], last: Matrix | None, warm: bool) -> Move:
-        x0, reasons = outcome.admissible_state(self.formulation, measured, self.tolerances)
-        if reasons:
-            return outcome.refused(reasons, 0.0)
-        vectors = self.formulation.vectors(x0, table, last)
-        result = self._search(vectors, x0, warm)
-        move, plan = outcome.judged(
-            self.formulation, vectors, x0, result, self.tolerances, sample_time=self.sample_time
-        )
-        self._plan = plan
-        if plan is None:
-            return move
-        return replace(move, message=move.message + self._remark_on_thresholds(plan, x0))
-
-    def _fall_back(self, failed: Move, measured: Matrix, ref: Reference, last: Matrix | None) -> Move:
+    def _fall_back(self, failed: Move, measured: Matrix, table: Mapping[str, Matrix], last: Matrix | None) -> Move:
         if self._softened is not None:
-            softened = fallbacks.from_softened(failed, self._softened.solve(measured, ref, last_input=last))
-            self._reserve = Reserve(softened.predicted.u) if softened.ok and softened.predicted is not None else None
+            again = self._softened.plan(measured, table, last, warm=False, sample_time=self.sample_time)
+            softened = fallbacks.from_softened(failed, again)
+            self._reserve = None if softened.predicted is None else Reserve(softened.predicted.u)
             return softened
         if callable(self._fallback):
             return fallbacks.from_callable(failed, self._fallback, measured, self.formulation)
         move = fallbacks.from_reserve(failed, self._reserve, self.formulation, last, self.tolerances.residual)
-        self._reserve = replace(self._reserve, used=self._reserve.used + 1) if self._reserve is not None else None
+        self._reserve = None if self._reserve is None else replace(self._reserve, used=self._reserve.used + 1)
         return move
 
     def why(self, move: Move) -> Explanation:
@@ -247,7 +235,7 @@ class HybridMpc:
         """
         from hysdel_py.control.explanation import explain
 
-        return explain(self.formulation, self._solver.miqp, move)
+        return explain(self.formulation, self._planner.solver.miqp, move)
 
     def dump_problem(
         self,
@@ -280,22 +268,10 @@ class HybridMpc:
         if x is not None:
             program = self.problem(x, ref, last_input=last_input)
         else:
-            program = self._program(_case_of(move).vectors)
+            program = self._planner.program(_case_of(move).vectors)
         f = self.formulation
         variables = [f.describe_variable(i) for i in range(f.layout.n)]
-        write_case(path, program, self._solver.settings, variables, [str(row) for row in f.rows])
-
-    def _remark_on_thresholds(self, plan: Plan, x0: Matrix) -> str:
-        """Say where the plan counts on a threshold that the model, without epsilon and rounding, sees differently."""
-        f = self.formulation
-        planned = np.round(f.layout.join(plan)[f.binaries])
-        differing = np.flatnonzero(planned != simulated_binaries(f, self._step, x0, plan))
-        if not differing.size:
-            return ""
-        first = f.describe_variable(int(f.binaries[differing[0]]))
-        return (
-            f"; the plan stands on a threshold, which the simulated model may see from the other side first at {first}"
-        )
+        write_case(path, program, self._planner.solver.settings, variables, [str(row) for row in f.rows])
 
     def problem(
         self, x: ArrayLike | Mapping[str, float], ref: Reference = None, *, last_input: LastInput = None
@@ -306,40 +282,7 @@ class HybridMpc:
         ``Move.cost``; the state is not moved onto its range.
         """
         state, last = as_vector(x, self.mld.x, "state"), self._last_input(last_input)
-        return self._program(self.formulation.vectors(state, self.references.table(ref), last))
-
-    def _program(self, vectors: Vectors) -> Miqp:
-        from hysdel_py.optimize.miqp import Miqp
-
-        program = self._solver.miqp
-        qp = program.qp.with_vectors(vectors.q, l=vectors.l, u=vectors.u, ub=vectors.ub, constant=vectors.constant)
-        return Miqp(qp, program.binaries, priorities=program.priorities, drivers=program.drivers)
-
-    def _search(self, vectors: Vectors, x0: Matrix, warm: bool) -> MiqpResult:
-        return self._solver.solve(
-            q=vectors.q,
-            l=vectors.l,
-            u=vectors.u,
-            ub=vectors.ub,
-            constant=vectors.constant,
-            floor=0.0,  # the cost is a sum of squares or absolute values
-            incumbent=self._guess(x0) if warm else None,
-            heuristic=self._heuristic(x0),
-            progress=self._progress,
-        )
-
-    def _guess(self, x0: Matrix) -> Matrix | None:
-        """Binaries of the last plan, one step later and as the model moves from the measured state."""
-        if self._plan is None:
-            return None
-        return simulated_binaries(self.formulation, self._step, x0, shifted(self._plan))
-
-    def _heuristic(self, x0: Matrix) -> Callable[[Matrix, Matrix, Matrix], Matrix]:
-        def simulate_relaxation(v: Matrix, _lb: Matrix, _ub: Matrix) -> Matrix:
-            relaxed = self.formulation.layout.split(v, x0)
-            return simulated_binaries(self.formulation, self._step, x0, relaxed)
-
-        return simulate_relaxation
+        return self._planner.program(self.formulation.vectors(state, self.references.table(ref), last))
 
 
 def _case_of(move: Move | None) -> Case:
