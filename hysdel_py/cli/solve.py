@@ -72,8 +72,9 @@ def _lines(case: CaseFile, result: MiqpResult) -> list[str]:
     lines = [
         f"{qp.n} variables, {len(case.miqp.binaries)} of them binary, {qp.m} rows",
         f"{result.status.value}: {result.message}",
-        f"objective {result.objective:.9g}, bound {result.bound:.9g}, gap {result.gap:.3g}",
-        f"{result.nodes} nodes, {result.qps} continuous programs, {1e3 * result.seconds:.1f} ms",
+        f"objective {result.objective:.6g}",
+        f"search: bound {result.bound:.9g}, gap {result.gap:.3g}, {result.nodes} nodes, "
+        f"{result.qps} continuous programs, {1e3 * result.seconds:.1f} ms",
     ]
     if result.x is not None:
         lines += [f"  {_name(case, i)} = {value:.9g}" for i, value in enumerate(result.x)]
