@@ -18,9 +18,11 @@ if TYPE_CHECKING:
     from hysdel_py.control.observer import KalmanObserver
     from hysdel_py.errors import ArgumentError, CompileError, HysdelError, SimulationError
     from hysdel_py.export.reading import read_json
-    from hysdel_py.model import Model, load, to_dha, to_mld, to_symbolic_mld
+    from hysdel_py.model import Model, audit, load, to_dha, to_mld, to_symbolic_mld
     from hysdel_py.optimize.case_file import CaseFile, read_case
     from hysdel_py.optimize.node_log import NodeLog
+    from hysdel_py.reports.explain_infeasible import explain_infeasible
+    from hysdel_py.reports.explanation import Explanation
     from hysdel_py.shipped import shipped_models
     from hysdel_py.systems.dha import Dha
     from hysdel_py.systems.mld import Mld
@@ -28,15 +30,17 @@ if TYPE_CHECKING:
     from hysdel_py.systems.trajectory import Trajectory
 
 __all__ = [
-    "ArgumentError", "CaseFile", "CompileError", "Cost", "Dha", "Estimate", "HybridMpc", "HysdelError",
-    "KalmanObserver", "Limits", "Mld", "Model", "Move", "MoveStatus", "MovingHorizonEstimator", "NodeLog",
-    "SimulationError", "Trajectory", "__version__", "closed_loop", "load", "read_case", "read_json",
-    "shipped_models", "simulate", "to_dha", "to_mld", "to_symbolic_mld", "with_disturbances",
+    "ArgumentError", "CaseFile", "CompileError", "Cost", "Dha", "Estimate", "Explanation", "HybridMpc",
+    "HysdelError", "KalmanObserver", "Limits", "Mld", "Model", "Move", "MoveStatus", "MovingHorizonEstimator",
+    "NodeLog", "SimulationError", "Trajectory", "__version__", "audit", "closed_loop", "explain_infeasible",
+    "load", "read_case", "read_json", "shipped_models", "simulate", "to_dha", "to_mld", "to_symbolic_mld",
+    "with_disturbances",
 ]  # fmt: skip
 
 _HOME = {
     "ArgumentError": "errors", "CompileError": "errors", "HysdelError": "errors", "SimulationError": "errors",
-    "Model": "model", "load": "model", "to_dha": "model", "to_mld": "model", "to_symbolic_mld": "model",
+    "Model": "model", "audit": "model", "load": "model",
+    "to_dha": "model", "to_mld": "model", "to_symbolic_mld": "model",
     "read_json": "export.reading", "shipped_models": "shipped",
     "Dha": "systems.dha", "Mld": "systems.mld", "Trajectory": "systems.trajectory",
     "simulate": "systems.simulation", "Cost": "control.costs", "Limits": "control.limits",
@@ -45,6 +49,7 @@ _HOME = {
     "MovingHorizonEstimator": "control.moving_horizon", "KalmanObserver": "control.observer",
     "with_disturbances": "control.disturbance", "CaseFile": "optimize.case_file", "read_case": "optimize.case_file",
     "NodeLog": "optimize.node_log",
+    "explain_infeasible": "reports.explain_infeasible", "Explanation": "reports.explanation",
 }  # fmt: skip
 
 

@@ -9,18 +9,21 @@ from pathlib import Path
 from hysdel_py.diagnostics.codes import Code
 from hysdel_py.diagnostics.diagnostic import Diagnostic
 from hysdel_py.diagnostics.sink import Sink
-from hysdel_py.elaboration.elaborate import elaborate
+from hysdel_py.elaboration.elaborate import Instance, elaborate
 from hysdel_py.elaboration.modules import load_modules
 from hysdel_py.lowering.big_m import BigM
 from hysdel_py.lowering.constants import Constants
 from hysdel_py.lowering.dha import to_dha
 from hysdel_py.lowering.lints import lint
 from hysdel_py.lowering.mld import to_mld
+from hysdel_py.lowering.sound_items import report_on_sound_items
 from hysdel_py.lowering.symbolic import to_symbolic_mld
 from hysdel_py.semantics.lints import note_unused_parameters
+from hysdel_py.semantics.mixed_logic import warn_of_mixed_logic
 from hysdel_py.semantics.parameters import bind_parameters, missing_parameters
 from hysdel_py.semantics.resolve import resolve
 from hysdel_py.semantics.typed_model import TypedModel
+from hysdel_py.syntax import ast
 from hysdel_py.syntax.parser import parse_what_is_sound
 from hysdel_py.syntax.reader import read_source
 from hysdel_py.syntax.source import Source
@@ -56,11 +59,16 @@ def analyse(
         sink.raise_errors(source)
     assert recovered.system is not None  # a failed parse has reported an error
     instances, source = load_modules(recovered.system, source, search_path, sink)
+    for system in {id(instance.system): instance.system for instance in instances}.values():
+        warn_of_mixed_logic(system, sink)
     scalar, flat = elaborate(instances, given, sink)
     model = resolve(scalar, source, sink)
     values = bind_parameters(model, flat, sink)
-    if recovered.lost:
-        sink.forget(lambda found: _is_about(found, recovered.lost, source))
+    modules = _lost_modules(instances)
+    if recovered.lost or modules:
+        sink.forget(lambda found: _is_about(found, recovered.lost, modules, source))
+    if sink.failed:
+        report_on_sound_items(model, values, sink, _without_range(scalar, model))
     sink.raise_errors(source)
     note_unused_parameters(model, sink)
     return model, values, sink.diagnostics
@@ -77,8 +85,11 @@ def lower_to_dha(
     """
     sink = Sink()
     _require_parameters(model, values, sink)
-    dha = to_dha(model, values, constants, sink)
+    dha = None if sink.failed else to_dha(model, values, constants, sink)
+    if sink.failed:
+        report_on_sound_items(model, values, sink)
     sink.raise_errors(model.source)
+    assert dha is not None  # a missing parameter has been reported
     return dha, sink.diagnostics
 
 
@@ -111,8 +122,23 @@ def lower_to_symbolic_mld(model: TypedModel, dha: Dha) -> tuple[SymbolicMld, tup
     return mld, sink.diagnostics
 
 
-def _is_about(found: Diagnostic, names: frozenset[str], source: Source) -> bool:
-    """Whether a diagnostic misses one of the names whose declaration was skipped after a syntax error."""
+def _lost_modules(instances: tuple[Instance, ...]) -> tuple[str, ...]:
+    """Prefixes of the names in modules whose files were not found or not understood."""
+    found = {instance.prefix for instance in instances}
+    declared = (f"{i.prefix}{module.name.name}." for i in instances for module in i.system.modules)
+    return tuple(prefix for prefix in declared if prefix not in found)
+
+
+def _without_range(system: ast.System, model: TypedModel) -> frozenset[str]:
+    """Names whose declared range is wrong."""
+    ranged = {d.name for section in system.declarations for d in section.declarations if d.interval is not None}
+    return frozenset(symbol.name for symbol in model.symbols if symbol.bounds is None and symbol.name in ranged)
+
+
+def _is_about(found: Diagnostic, names: frozenset[str], modules: tuple[str, ...], source: Source) -> bool:
+    """Whether a diagnostic misses a name that was skipped after a syntax error, or one of a lost module."""
+    if found.code is Code.UNDECLARED and found.message.startswith(modules):
+        return True
     if found.code is Code.PARAMETER_UNKNOWN:
         return found.message.rpartition(" ")[2] in names
     return (
@@ -133,4 +159,3 @@ def _require_parameters(model: TypedModel, values: Mapping[str, float], sink: Si
             missing[0].span,
             help=f"give it in the file, by keyword ({names[0]}=...) or by --param {names[0]}=VALUE",
         )
-        sink.raise_errors(model.source)

@@ -14,17 +14,19 @@ from hysdel_py import compiler
 from hysdel_py.errors import ArgumentError
 from hysdel_py.lowering.big_m import BigM
 from hysdel_py.lowering.constants import Constants
+from hysdel_py.lowering.sharing import share as merge_equal
 from hysdel_py.lowering.symbolic import symbolic_values
 
 if TYPE_CHECKING:
     from hysdel_py.diagnostics.diagnostic import Diagnostic
+    from hysdel_py.lowering.audit import Audit
     from hysdel_py.semantics.typed_model import TypedModel
     from hysdel_py.systems.dha import Dha
     from hysdel_py.systems.mld import Mld
     from hysdel_py.systems.symbolic_mld import SymbolicMld
     from hysdel_py.systems.trajectory import Trajectory
 
-__all__ = ["Model", "load", "to_dha", "to_mld", "to_symbolic_mld"]
+__all__ = ["Model", "audit", "load", "to_dha", "to_mld", "to_symbolic_mld"]
 
 _E = TypeVar("_E", BigM, Constants)
 
@@ -70,7 +72,7 @@ class Model:
 
     @cached_property
     def _lowered_to_mld(self) -> tuple[Mld, tuple[Diagnostic, ...]]:
-        return compiler.lower_to_mld(self.typed, self.dha, BigM.INTERVAL)
+        return compiler.lower_to_mld(self.typed, self.dha, BigM.LP)
 
     @property
     def mld(self) -> Mld:
@@ -161,19 +163,52 @@ def to_dha(model: Model, *, constants: str = "affine") -> Dha:
     return compiler.lower_to_dha(model.typed, model.parameters, _option(Constants, constants, "constants"))[0]
 
 
-def to_mld(model: Model, *, big_m: str = "interval", constants: str = "affine") -> Mld:
+def to_mld(
+    model: Model, *, big_m: str = "lp", constants: str = "affine", share: bool = False, compact: bool = False
+) -> Mld:
     """Lower a model to the MLD form with options.
 
     Parameters
     ----------
-    big_m : {"interval"}
-        Rule for the big-M constants: interval arithmetic over the declared ranges, as the original compiler does.
+    big_m : {"interval", "lp"}
+        Rule for the big-M constants: interval arithmetic over the declared ranges, as the original compiler does, or
+        the least that linear programs over the rows of the model prove (``docs/tight-models.md``).
     constants : {"affine", "aux", "forbid"}
         Constant terms of updates and outputs go to B5 and D5, to auxiliaries, or are errors.
+    share : bool
+        Merge generated Booleans of equal definition; `d` is then shorter than that of the Dha.
+    compact : bool
+        Leave out rows that the others imply.
     """
     _check_model(model)
     rule = _option(BigM, big_m, "big_m")
-    return compiler.lower_to_mld(model.typed, to_dha(model, constants=constants), rule)[0]
+    dha = to_dha(model, constants=constants)
+    mld = compiler.lower_to_mld(model.typed, merge_equal(dha).dha if share else dha, rule)[0]
+    if not compact:
+        return mld
+    from hysdel_py.lowering.redundancy import remove_redundant_rows  # scipy is loaded with it
+
+    return remove_redundant_rows(mld).mld
+
+
+def audit(model: Model, *, constants: str = "affine") -> Audit:
+    """Say how large and how loose the big-M constants of a model are, and which ranges make them so.
+
+    Parameters
+    ----------
+    constants : {"affine", "aux", "forbid"}
+        As in :func:`to_mld`.
+
+    Raises
+    ------
+    CompileError
+    """
+    from hysdel_py.lowering.audit import audit_dha
+
+    _check_model(model)
+    dha = to_dha(model, constants=constants)
+    found = compiler.lower_to_mld(model.typed, dha, BigM.LP)[1]
+    return audit_dha(dha, (*model.diagnostics, *found))
 
 
 def _check_model(model: object) -> None:

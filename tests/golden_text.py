@@ -8,7 +8,7 @@ from __future__ import annotations
 from pathlib import Path
 
 from hysdel_py.diagnostics.sink import Sink
-from hysdel_py.model import load
+from hysdel_py.model import load, to_mld
 from hysdel_py.semantics import expressions as typed
 from hysdel_py.semantics.typed_model import Choice, Equation, Requirement, Threshold, TypedModel
 from hysdel_py.syntax import ast
@@ -18,7 +18,7 @@ from hysdel_py.syntax.traversal import fold
 
 GOLDEN = Path(__file__).parent / "golden"
 MODELS = ("heater", "casts", "vectors")
-STAGES = ("ast", "typed", "dha", "mld")
+STAGES = ("ast", "typed", "dha", "mld", "tight")
 
 
 def parsed(text: str) -> ast.System:
@@ -147,7 +147,13 @@ def stage_text(name: str, stage: str) -> str:
     if stage == "ast":
         return ast_text(parsed(path.read_text()))
     model = load(path)
-    return {"typed": lambda: typed_text(model.typed), "dha": model.dha.describe, "mld": model.mld.describe}[stage]()
+    texts = {
+        "typed": lambda: typed_text(model.typed),
+        "dha": model.dha.describe,
+        "mld": lambda: to_mld(model, big_m="interval").describe(),
+        "tight": model.mld.describe,
+    }
+    return texts[stage]()
 
 
 if __name__ == "__main__":

@@ -30,7 +30,7 @@ def check_pair(path: Path) -> str:
     constants = next((value for flag, value in CONSTANTS.items() if flag and flag in flags), "forbid")
     try:
         model = hys.load(path, **given)
-        mld = hys.to_mld(model, constants=constants)
+        mld = hys.to_mld(model, big_m="interval", constants=constants)
         dha = hys.to_dha(model, constants=constants)
     except hys.CompileError as error:
         assert not expected["accepted"], f"refused, the original accepts it\n{error}"  # noqa: PT017 -- a verdict

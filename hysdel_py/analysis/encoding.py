@@ -68,6 +68,7 @@ def encode_step(
     step: int = 0,
     band: Callable[[Event], float] | None = None,
     leave_out: Callable[[DhaItem], bool] = lambda item: False,  # noqa: ARG005
+    ranges: Mapping[str, Interval] | None = None,
 ) -> Step:
     """Add the rows of one step.
 
@@ -84,13 +85,16 @@ def encode_step(
         How far the form of an event is above zero where the event is false; its own epsilon by default.
     leave_out : callable, optional
         Items whose rows are not wanted; a variable that such an item defines is free within its range.
+    ranges : mapping of name to interval, optional
+        Where the variables are, for the constants of the rows and as bounds of the auxiliaries; the ranges by
+        definition by default.
 
     Raises
     ------
     ArgumentError
         If a variable that needs a finite range has none.
     """
-    ranges = ranges_by_definition(dha)
+    ranges = ranges_by_definition(dha) if ranges is None else ranges
     values = dict(given)
     for variable in (*dha.d, *dha.z):
         low, high = _widened(ranges[variable.name])

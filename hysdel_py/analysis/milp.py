@@ -109,6 +109,10 @@ class Milp:
         """An independent copy, to which more can be added."""
         return Milp(self.low[:], self.high[:], self.integer[:], self.rows[:])
 
+    def matrix(self) -> tuple[Any, Vector, Vector]:
+        """Sparse matrix of the rows, scaled so that their greatest coefficient is 1, and both sides."""
+        return _matrix(self.rows, self.n)
+
     def search(
         self,
         objective: Terms | None = None,
@@ -116,6 +120,7 @@ class Milp:
         rows: Iterable[Row] | None = None,
         relaxed: bool = False,
         seconds: float = inf,
+        nodes: int | None = None,
     ) -> Answer:
         """Find a point, the least one if there is an objective.
 
@@ -129,10 +134,13 @@ class Milp:
             Whether Booleans may be fractions.
         seconds : float
             Time limit.
+        nodes : int, optional
+            Limit of the nodes of the branch and bound, which unlike a time limit is the same on every machine.
         """
         from scipy.optimize import Bounds, LinearConstraint, milp
 
         chosen = self.rows if rows is None else list(rows)
+        limits = {"time_limit": seconds} if seconds < inf else {}
         cost = np.zeros(self.n)
         for variable, coefficient in (objective or {}).items():
             cost[variable] = coefficient
@@ -143,7 +151,7 @@ class Milp:
             integrality=np.zeros(self.n) if relaxed else np.array(self.integer, dtype=float),
             bounds=Bounds(np.array(self.low), np.array(self.high)),
             constraints=LinearConstraint(*_matrix(chosen, self.n)) if chosen else None,
-            options={"time_limit": seconds} if seconds < inf else {},
+            options=limits | ({} if nodes is None else {"node_limit": nodes}),
         )
         return _answer(answer)
 

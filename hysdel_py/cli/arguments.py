@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import argparse
 import re
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from math import inf
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -18,13 +19,13 @@ from hysdel_py.systems.signals import Variable, as_vector
 
 __all__ = [
     "DataError", "add_model", "add_output", "add_parameters", "add_start", "assignments", "example_values",
-    "given_vector", "join_negative_values", "load_model", "number", "parts", "span",
+    "given_vector", "join_negative_values", "load_model", "matrix", "number", "parameter_values", "parts", "span",
 ]  # fmt: skip
 
 _TRUTH = {"true": 1.0, "false": 0.0}
 _OPTION = re.compile(r"--[a-z][a-z0-9-]*")
-_COMMA = re.compile(r",(?![^()]*\))")
-"""A comma that does not stand between parentheses, as the one of ``W(2,1)`` does."""
+_COMMA = re.compile(r",(?![^()]*\))(?![^\[\]]*\])")
+"""A comma that stands neither between parentheses, as in ``W(2,1)``, nor between brackets, as in ``[1,2]``."""
 _NEGATIVE = re.compile(r"-(\.?\d|inf|nan)", re.IGNORECASE)
 
 
@@ -54,9 +55,21 @@ def add_model(parser: argparse.ArgumentParser) -> None:
 
 
 def add_parameters(parser: argparse.ArgumentParser) -> None:
-    """Add the values of parameters."""
+    """Add the values of parameters, and where modules are looked for."""
     parser.add_argument(
-        "--param", metavar="NAME=VALUE", action="append", default=[], help="value of a parameter; may be repeated"
+        "--param",
+        metavar="NAME=VALUE",
+        action="append",
+        default=[],
+        help="value of a parameter; a matrix is written [1,0.1;0,1]; may be repeated",
+    )
+    parser.add_argument(
+        "-I",
+        "--search-path",
+        metavar="FOLDER",
+        action="append",
+        default=[],
+        help="folder for the files of modules, besides that of the file that names them; may be repeated",
     )
 
 
@@ -72,14 +85,38 @@ def add_output(parser: argparse.ArgumentParser, what: str) -> None:
 
 def load_model(options: argparse.Namespace) -> Model:
     """The model that the arguments name."""
-    values: dict[str, Any] = dict(assignments(options.param, "--param"))
-    return load(options.file, **values)
+    missing = [folder for folder in options.search_path if not Path(folder).is_dir()]
+    if missing:
+        raise ArgumentError(f"--search-path {missing[0]}: there is no such folder")
+    values: dict[str, Any] = parameter_values(options.param, "--param")
+    return load(options.file, search_path=options.search_path, **values)
+
+
+def parameter_values(texts: Sequence[str], option: str) -> dict[str, float | list[list[float]]]:
+    """Values of ``NAME=VALUE`` texts; one in brackets is a matrix, given row by row."""
+    return {
+        name: matrix(value, f"{option} {name}") if value.startswith("[") else number(value, f"{option} {name}")
+        for name, value in _with_values(texts, option)
+    }
+
+
+def matrix(text: str, what: str) -> list[list[float]]:
+    """A matrix as in ``[1,0.1;0,1]``: commas part the entries of a row, semicolons the rows."""
+    if not text.endswith("]"):
+        raise ArgumentError(f"{what} is '{text}': a matrix such as [1,0.1;0,1] was expected")
+    rows = [[number(entry, what) for entry in row.split(",")] for row in text[1:-1].split(";")]
+    lengths = list(dict.fromkeys(map(len, rows)))
+    if len(lengths) > 1:
+        raise ArgumentError(
+            f"{what} has rows of {lengths[0]} and {lengths[1]} numbers: rows of one length were expected"
+        )
+    return rows
 
 
 def parts(texts: Sequence[str], option: str, form: str) -> list[tuple[str, str | None]]:
     """Names and values of ``NAME=VALUE`` texts; several may stand in one text, parted by commas.
 
-    Commas between parentheses part nothing, as in ``W(2,1)=3``.
+    Commas between parentheses or brackets part nothing, as in ``W(2,1)=3`` and ``A=[1,2]``.
 
     Raises
     ------
@@ -99,12 +136,14 @@ def parts(texts: Sequence[str], option: str, form: str) -> list[tuple[str, str |
 
 def assignments(texts: Sequence[str], option: str) -> dict[str, float]:
     """Values of ``NAME=VALUE`` texts."""
-    values = {}
+    return {name: number(value, f"{option} {name}") for name, value in _with_values(texts, option)}
+
+
+def _with_values(texts: Sequence[str], option: str) -> Iterator[tuple[str, str]]:
     for name, value in parts(texts, option, "NAME=VALUE"):
         if value is None:
             raise ArgumentError(f"{option} {name}: NAME=VALUE was expected, as in {option} {name}=1")
-        values[name] = number(value, f"{option} {name}")
-    return values
+        yield name, value
 
 
 def number(text: str, what: str) -> float:

@@ -80,7 +80,7 @@ class _Report:
 def run(options: argparse.Namespace) -> int:
     """Run the command."""
     raised, ignored = _codes(options.warn), _codes(options.ignore)
-    reports = [_chosen(_check(file, options.param), raised, ignored) for file in options.files]
+    reports = [_chosen(_check(file, options), raised, ignored) for file in options.files]
     {"text": _print_text, "json": _print_json, "sarif": _print_sarif}[options.format](reports)
     failing = (Severity.ERROR, Severity.WARNING) if options.strict else (Severity.ERROR,)
     return int(any(report.has(severity) for report in reports for severity in failing))
@@ -91,10 +91,10 @@ def _codes(texts: Iterable[str]) -> set[Code]:
     return {Code(explain(part)[2:8]) for text in texts for part in text.split(",")}
 
 
-def _check(file: str, parameters: list[str]) -> _Report:
+def _check(file: str, options: argparse.Namespace) -> _Report:
     model = None
     try:
-        model = load_model(argparse.Namespace(file=file, param=parameters))
+        model = load_model(argparse.Namespace(file=file, param=options.param, search_path=options.search_path))
         if not missing_parameters(model.typed, model.parameters):
             _ = model.mld  # lowering finds the mistakes that need numbers
     except CompileError as error:

@@ -44,13 +44,17 @@ def add_parser(commands: argparse._SubParsersAction[argparse.ArgumentParser]) ->
     parser.add_argument(
         "-o", "--output", metavar="PATH", help=f"write a file ({', '.join(FORMATS)}) instead of the listing"
     )
-    parser.add_argument("--big-m", choices=["interval"], default="interval", help="rule for the big-M constants")
+    parser.add_argument("--big-m", choices=["lp", "interval"], default="lp",
+        help="rule for the big-M constants: linear programs (default), or interval arithmetic as HYSDEL 2.0.5",
+    )  # fmt: skip
     parser.add_argument(
         "--constants",
         choices=["affine", "aux", "forbid"],
         default="affine",
         help="constant terms of updates and outputs: B5 and D5 (default), auxiliaries, or errors",
     )
+    parser.add_argument("--share", action="store_true", help="merge generated Booleans of equal definition")
+    parser.add_argument("--compact", action="store_true", help="leave out rows that the others imply")
     add_output(parser, "matrices, names, ranges and origins")
     parser.set_defaults(run=run)
 
@@ -61,7 +65,7 @@ def run(options: argparse.Namespace) -> int:
     if options.output:
         check_target(Path(options.output), "--output")
     model = load_model(options)
-    mld = to_mld(model, big_m=options.big_m, constants=options.constants)
+    mld = to_mld(model, big_m=options.big_m, constants=options.constants, share=options.share, compact=options.compact)
     if writer is not None:
         writer(model, mld, options)
     if options.json:

@@ -8,7 +8,21 @@ import sys
 from collections.abc import Sequence
 from contextlib import suppress
 
-from hysdel_py.cli import check, compile, demo, drop_in, explain, fmt, lsp, mpc, simulate, solve, stubs
+from hysdel_py.cli import (
+    audit,
+    check,
+    compile,
+    demo,
+    drop_in,
+    explain,
+    explain_infeasible,
+    fmt,
+    lsp,
+    mpc,
+    simulate,
+    solve,
+    stubs,
+)
 from hysdel_py.cli.arguments import join_negative_values
 from hysdel_py.cli.output import print_json
 from hysdel_py.errors import ArgumentError, CompileError, HysdelError
@@ -25,6 +39,7 @@ examples:
   hysdel check model.hys                    find mistakes
   hysdel explain HYS302                     what a diagnostic means
   hysdel compile model.hys -o model.json    write the MLD matrices
+  hysdel audit model.hys                    which ranges make it loose
   hysdel simulate two_tanks --x0 0.1,0.2 --input 1e-4,1
   hysdel fmt model.hys                      bring it into the canonical layout
   hysdel mpc two_tanks --x0 0.1,0.4 --horizon 6 --weight level2=10 --ref level2=0.3
@@ -32,7 +47,7 @@ examples:
 Each command has its own help: hysdel simulate --help
 A shipped model can be named without a path: clutch, three_tanks, two_rooms, two_tanks.
 exit status: 0 fine, 1 the model or the data has a mistake or a run ended early, 2 wrong usage,
-3 a fault of this program
+3 a fault of this program, 4 not settled (explain-infeasible)
 
 The command line of HYSDEL 2.0.5 is understood as well: hysdel -i model.hys -m model -5; see docs/drop-in.md
 """
@@ -48,7 +63,7 @@ def build_parser() -> argparse.ArgumentParser:
     )
     parser.add_argument("--version", action="version", version=f"hysdel_py {__version__}")
     commands = parser.add_subparsers(dest="command", metavar="COMMAND")
-    for command in (check, explain, compile, simulate, mpc, solve, demo, fmt, stubs, lsp):
+    for command in (check, explain, audit, compile, simulate, mpc, explain_infeasible, solve, demo, fmt, stubs, lsp):
         command.add_parser(commands)
     return parser
 

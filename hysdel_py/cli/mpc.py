@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import argparse
 import sys
+from collections.abc import Sequence
 from typing import Any
 
 from hysdel_py.cli.arguments import (
@@ -27,7 +28,7 @@ from hysdel_py.model import Model
 from hysdel_py.optimize.node_log import NodeLog
 from hysdel_py.systems.mld import Mld
 
-__all__ = ["add_parser"]
+__all__ = ["add_parser", "limits_of"]
 
 _EPILOG = """\
 examples:
@@ -214,13 +215,19 @@ def _references(options: argparse.Namespace) -> dict[str, float] | None:
     return references or None
 
 
-def _limits(mld: Mld, options: argparse.Namespace) -> Limits:
-    groups: dict[str, Any] = {"x": {}, "y": {}, "u": {}, "du": {}}
-    for name, ends in _spans(options.limit, "--limit").items():
+def limits_of(mld: Mld, texts: Sequence[str]) -> dict[str, Any]:
+    """The limits of ``NAME=LOW:HIGH`` texts by vector."""
+    groups: dict[str, Any] = {"x": {}, "y": {}, "u": {}}
+    for name, ends in _spans(texts, "--limit").items():
         groups[_group_of(mld, name, "yxu", "--limit")][name] = ends
-    for name, ends in _spans(options.limit_change, "--limit-change").items():
+    return groups
+
+
+def _limits(mld: Mld, options: argparse.Namespace) -> Limits:
+    changes = _spans(options.limit_change, "--limit-change")
+    for name in changes:
         _group_of(mld, name, "u", "--limit-change")
-        groups["du"][name] = ends
+    groups = limits_of(mld, options.limit)
     softened = dict(parts(options.soft, "--soft", "NAME or NAME=PRICE"))
     for name in softened:
         if name not in {**groups["x"], **groups["y"]}:
@@ -228,10 +235,10 @@ def _limits(mld: Mld, options: argparse.Namespace) -> Limits:
             raise ArgumentError(f"--soft {name}: it has no --limit as a state or output; those with one: {known}")
     prices = {name: number(price, f"--soft {name}") for name, price in softened.items() if price is not None}
     priced: dict[str, Any] = {"rho": prices} if prices else {}
-    return Limits(**groups, soft=tuple(softened) if softened else False, **priced)
+    return Limits(**groups, du=changes, soft=tuple(softened) if softened else False, **priced)
 
 
-def _spans(texts: list[str], option: str) -> dict[str, tuple[float, float]]:
+def _spans(texts: Sequence[str], option: str) -> dict[str, tuple[float, float]]:
     found = {}
     for name, value in parts(texts, option, "NAME=LOW:HIGH"):
         if value is None:

@@ -12,7 +12,7 @@ from hysdel_py.export.matlab import MatlabOptions, matlab_text
 from hysdel_py.export.matrices import write_json, write_mat, write_npz
 from hysdel_py.export.simulator_python import module_text
 from hysdel_py.lowering.constants import Constants
-from hysdel_py.model import Model, to_dha
+from hysdel_py.model import Model, to_dha, to_mld
 from hysdel_py.systems.mld import Mld
 
 __all__ = ["FORMATS", "find_writer"]
@@ -42,6 +42,8 @@ def _python(model: Model, mld: Mld, options: argparse.Namespace) -> None:  # noq
 
 def _matlab(model: Model, mld: Mld, options: argparse.Namespace) -> None:
     constants = Constants(options.constants)
+    # The numbers of that script are those of the interval rule, whatever else was asked for.
+    mld = to_mld(model, big_m="interval", constants=options.constants)
     compiled = Compiled(model.typed, model.parameters, to_dha(model, constants=options.constants), mld, constants)
     Path(options.output).write_text(matlab_text(compiled, MatlabOptions()), encoding="utf-8")
 

@@ -54,9 +54,9 @@ def _largest_slacks(mld: Mld, limits: ResolvedLimits) -> Matrix:
 
 
 def signal_ends(variables: tuple[Variable, ...]) -> tuple[Matrix, Matrix]:
-    """Lower and upper ends of the declared ranges."""
-    low = np.array([0.0 if v.is_bool else v.low for v in variables], dtype=float)
-    high = np.array([1.0 if v.is_bool else v.high for v in variables], dtype=float)
+    """Lower and upper ends of the ranges; those of a Boolean are equal where it has only one value."""
+    low = np.array([max(0.0, v.low) if v.is_bool else v.low for v in variables], dtype=float)
+    high = np.array([min(1.0, v.high) if v.is_bool else v.high for v in variables], dtype=float)
     return low, high
 
 

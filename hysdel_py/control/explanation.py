@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     from hysdel_py.optimize.miqp import Miqp
     from hysdel_py.optimize.qp import Qp
 
-__all__ = ["Explanation", "Forced", "Price", "explain"]
+__all__ = ["Forced", "PlanExplanation", "Price", "explain"]
 
 Matrix = NDArray[np.float64]
 TOUCHES = 1e-6
@@ -62,7 +62,7 @@ class Forced:
 
 
 @dataclass(frozen=True, slots=True)
-class Explanation:
+class PlanExplanation:
     """What holds a plan.
 
     Attributes
@@ -92,7 +92,7 @@ class Explanation:
         return "\n".join(lines)
 
 
-def explain(formulation: Formulation, miqp: Miqp, move: Move) -> Explanation:
+def explain(formulation: Formulation, miqp: Miqp, move: Move) -> PlanExplanation:
     """Explain the plan of a move.
 
     Raises
@@ -109,7 +109,7 @@ def explain(formulation: Formulation, miqp: Miqp, move: Move) -> Explanation:
     y, z = _multipliers(qp, miqp, v)
     priced = list(_active_rows(formulation, qp, v, y))
     forced = _forced(miqp, qp)
-    return Explanation(
+    return PlanExplanation(
         limits=(
             *(price for row, price in priced if row.kind == "limit"),
             *_active_bounds(formulation, qp, v, z),

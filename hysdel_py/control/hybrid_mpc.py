@@ -32,7 +32,7 @@ from hysdel_py.systems.signals import as_vector
 if TYPE_CHECKING:
     from pathlib import Path
 
-    from hysdel_py.control.explanation import Explanation
+    from hysdel_py.control.explanation import PlanExplanation
     from hysdel_py.optimize.miqp import Miqp
 
 __all__ = ["HybridMpc", "Move", "MoveStatus"]
@@ -86,6 +86,8 @@ class HybridMpc:
 
     Attributes
     ----------
+    model : Model or Mld
+        What it was built from.
     mld : Mld
     horizon : int
     formulation : Formulation
@@ -117,6 +119,7 @@ class HybridMpc:
         binary_horizon: int | None = None,
         fallback: Fallback = None,
     ) -> None:
+        self.model = model
         limits = construction.checked(Limits() if limits is None else limits, Limits, "limits")
         self.mld = construction.mld_of(model)
         self.horizon = construction.checked_horizon(horizon, self.mld)
@@ -220,7 +223,7 @@ class HybridMpc:
         self._reserve = None if self._reserve is None else replace(self._reserve, used=self._reserve.used + 1)
         return move
 
-    def why(self, move: Move) -> Explanation:
+    def why(self, move: Move) -> PlanExplanation:
         """Explain a plan of this controller: active limits, binaries without a choice, prices of requirements.
 
         Parameters

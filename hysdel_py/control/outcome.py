@@ -156,10 +156,13 @@ def _unmovable(formulation: Formulation, predicted: Trajectory) -> list[str]:
 _TROUBLE = 'try the other solver (backend="osqp" or "piqp"), and check that ranges and weights are of similar size'
 
 
+_WHICH = "hys.explain_infeasible(controller, x) finds which of them contradict each other, and when"
+
+
 def _advice(status: MoveStatus, limits: ResolvedLimits, result: MiqpResult) -> str:
     match status:
         case MoveStatus.INFEASIBLE:
-            return f"infeasible: no plan keeps the model and the limits; {_why_infeasible(limits)}"
+            return f"infeasible: no plan keeps the model and the limits; {_why_infeasible(limits)}; {_WHICH}"
         case MoveStatus.NO_PLAN:
             return "no plan found: the search ended too early; allow more time or nodes, or shorten the horizon"
         case MoveStatus.UNBOUNDED:

@@ -16,6 +16,7 @@ class Code(Enum):
     NOT_UTF8 = "HYS003"
     TOO_LONG = "HYS004"
     EMPTY = "HYS005"
+    DIALECT = "HYS006"
     BAD_CHARACTER = "HYS101"
     UNEXPECTED = "HYS102"
     TOO_MANY_ERRORS = "HYS103"
@@ -65,6 +66,8 @@ class Code(Enum):
     MISSING_BOUNDS = "HYS528"
     LOOSE_BOUNDS = "HYS529"
     NOT_A_NUMBER = "HYS530"
+    ASSUMED_BOUNDS = "HYS531"
+    DEAD_BRANCH = "HYS540"
     # what HYSDEL 2.0.5 would refuse or get wrong
     EXTENSION = "HYS901"
     # vectors, loops and modules

@@ -7,7 +7,7 @@ from typing import Any
 from hysdel_py.diagnostics.diagnostic import Diagnostic, Fix
 from hysdel_py.syntax.source import Source, Span
 
-__all__ = ["as_data", "region", "render"]
+__all__ = ["as_data", "place", "region", "render"]
 
 _WIDTH = 120
 
@@ -19,9 +19,9 @@ def render(diagnostic: Diagnostic, source: Source) -> str:
     if diagnostic.span is None:
         lines.append(f"  --> {source.name}")
     else:
-        lines += _place(diagnostic.span, source, "^")
+        lines += place(diagnostic.span, source, "^")
     for label in diagnostic.labels:
-        lines += [f"  {label.text}:", *_place(label.span, source, "-")]
+        lines += [f"  {label.text}:", *place(label.span, source, "-")]
     if diagnostic.help:
         lines.append(f"  help: {diagnostic.help}")
     lines += [f"  fix: {_spoken(fix, source)}" for fix in diagnostic.fixes]
@@ -36,7 +36,8 @@ def _spoken(fix: Fix, source: Source) -> str:
     return f"replace '{written}' by '{fix.replacement}'" if fix.replacement else f"delete '{written}'"
 
 
-def _place(span: Span, source: Source, mark: str) -> list[str]:
+def place(span: Span, source: Source, mark: str = "^") -> list[str]:
+    """Lines that show a place: file, line and column, the line itself, and marks below the span."""
     source, span = source.home(span)
     line, column = source.position(span.start)
     gutter = " " * len(str(line))

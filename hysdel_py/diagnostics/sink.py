@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 
 from hysdel_py.diagnostics.codes import Code
 from hysdel_py.diagnostics.diagnostic import Diagnostic, Fix, Label, Severity
@@ -59,6 +59,11 @@ class Sink:
 
     def _add(self, diagnostic: Diagnostic) -> None:
         self._found[diagnostic] = None
+
+    def include(self, found: Iterable[Diagnostic]) -> None:
+        """Take over what was reported elsewhere."""
+        for diagnostic in found:
+            self._add(diagnostic)
 
     def forget(self, unwanted: Callable[[Diagnostic], bool]) -> None:
         """Drop what an earlier mistake alone has caused."""

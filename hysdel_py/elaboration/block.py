@@ -9,7 +9,7 @@ from hysdel_py.syntax import ast
 from hysdel_py.syntax.operators import Op
 from hysdel_py.syntax.source import Span
 
-__all__ = ["Block", "beside", "elementwise", "product", "scalar"]
+__all__ = ["Block", "beside", "elementwise", "product", "scalar", "transposed"]
 
 
 @dataclass(frozen=True, slots=True)
@@ -83,3 +83,9 @@ def beside(parts: list[Block], span: Span) -> Block | None:
     rows, columns = parts[0].rows, sum(part.columns for part in parts)
     elements = tuple(e for i in range(rows) for p in parts for e in p.elements[i * p.columns : (i + 1) * p.columns])
     return Block(rows, columns, elements, span)
+
+
+def transposed(block: Block, span: Span) -> Block:
+    """Rows as columns."""
+    elements = tuple(block.elements[i * block.columns + j] for j in range(block.columns) for i in range(block.rows))
+    return Block(block.columns, block.rows, elements, span)

@@ -61,7 +61,7 @@ def elaborate(
     sections = tuple(s for i in instances for s in _item_sections(i, scopes[i.prefix])) if sound else ()
     whole = instances[0].system
     declarations = tuple(section for instance in instances for section in declared[instance.prefix])
-    return ast.System(whole.name, declarations, sections, whole.span), values
+    return ast.System(whole.name, declarations, sections, whole.span, dialect=whole.dialect), values
 
 
 def _as_part(instance: Instance) -> tuple[ast.DeclarationSection, ...]:

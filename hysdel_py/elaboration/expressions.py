@@ -6,7 +6,7 @@ from dataclasses import replace
 
 from hysdel_py.diagnostics.codes import Code
 from hysdel_py.diagnostics.diagnostic import Label
-from hysdel_py.elaboration.block import Block, beside, elementwise, product, scalar
+from hysdel_py.elaboration.block import Block, beside, elementwise, product, scalar, transposed
 from hysdel_py.elaboration.scope import MAX_ELEMENTS, Scope, Shape, element
 from hysdel_py.syntax import ast
 from hysdel_py.syntax.operators import Op
@@ -47,6 +47,9 @@ class ExpressionElaborator:
                 if result is None:
                     self._scope.mismatch(known, "there is no product", node.span)
                 return result
+            case ast.Apply(op=Op.TRANSPOSE):
+                self._sink.note(Code.EXTENSION, "HYSDEL 2.0.5 knows no transposes", node.span)
+                return transposed(known[0], node.span)
             case ast.Apply() | ast.Conditional():
                 return self._mapped(node, known)
             case _:
@@ -86,13 +89,15 @@ class ExpressionElaborator:
         return Block(sum(row.rows for row in rows), rows[0].columns, elements, node.span)
 
     def _range(self, node: ast.Range, ends: list[Block]) -> Block | None:
-        low, high = (self._scope.integer(end, "an end of a range") for end in ends)
-        if low is None or high is None:
+        low, *step, high = ends
+        places = self._scope.integers(low, step[0] if step else None, high, "a range")
+        if places is None:
             return None
-        if not low <= high < low + MAX_ELEMENTS:
-            self._sink.error(Code.INDEX, f"the range {low}:{high} is empty or too long", node.span)
+        if not 0 < len(places) <= MAX_ELEMENTS:
+            written = ":".join(str(self._scope.integer(end, "an end")) for end in ends)
+            self._sink.error(Code.INDEX, f"the range {written} is empty or too long", node.span)
             return None
-        numbers = tuple(ast.Number(float(k), str(k), node.span) for k in range(low, high + 1))
+        numbers = tuple(ast.Number(float(k), str(k), node.span) for k in places)
         return Block(1, len(numbers), numbers, node.span)
 
     # ---- indexing ----
@@ -103,6 +108,9 @@ class ExpressionElaborator:
         if shape is None:
             self._report_no_vector(node, full)
             return None
+        if len(indices) == 1 and isinstance(node.indices[0], ast.All):
+            whole = self._scope.whole(node.name, node.span)
+            return whole and _stacked(whole, node.span)
         places = self._places(node, shape, indices)
         if places is None:
             return None
@@ -136,6 +144,8 @@ class ExpressionElaborator:
         return None if rows is None or columns is None else (rows, columns)
 
     def _numbers(self, node: ast.Indexed, index: Block, limit: int, shape: Shape) -> list[int] | None:
+        if isinstance(index.elements[0], ast.All):
+            return list(range(1, limit + 1))
         found = []
         for entry in index.elements:
             number = self._scope.integer(Block(1, 1, (entry,), entry.span), "an index")
@@ -151,6 +161,11 @@ class ExpressionElaborator:
                 return None
             found.append(number)
         return found
+
+
+def _stacked(block: Block, span: Span) -> Block:
+    """All elements in one column, column after column."""
+    return Block(block.rows * block.columns, 1, transposed(block, span).elements, span)
 
 
 def _rebuilt(node: ast.Group | ast.Apply | ast.Conditional, parts: tuple[ast.Expression, ...]) -> ast.Expression:

@@ -50,15 +50,19 @@ class ItemElaborator:
         if self._scope.iterators[name] is not None:
             self._sink.error(Code.INDEX, f"{name} counts the FOR around this one already", loop.iterator.span)
             return
-        ends = [self._scope.integer(self._expressions.block(end), "an end of FOR") for end in (loop.low, loop.high)]
-        if ends[0] is None or ends[1] is None:
+        step = None if loop.step is None else self._expressions.block(loop.step)
+        if loop.step is not None and step is None:
+            return
+        low, high = self._expressions.block(loop.low), self._expressions.block(loop.high)
+        values = self._scope.integers(low, step, high, "FOR")
+        if values is None:
             return
         self._sink.note(Code.EXTENSION, "HYSDEL 2.0.5 knows no FOR", loop.span)
-        self._passes += max(0, ends[1] - ends[0] + 1)
+        self._passes += len(values)
         if self._passes > MAX_ELEMENTS:
             self._sink.error(Code.SIZE, f"loops make more than {MAX_ELEMENTS} passes", loop.span)
             return
-        for value in range(ends[0], ends[1] + 1):
+        for value in values:
             yield (name, value)
             yield from loop.items
         yield (name, None)

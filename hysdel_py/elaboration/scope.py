@@ -118,6 +118,17 @@ class Scope:
         )
         return None
 
+    def integers(self, low: Block | None, step: Block | None, high: Block | None, what: str) -> range | None:
+        """The numbers from one end to the other, both included; None after an error, also for a step of 0."""
+        first, last = self.integer(low, f"an end of {what}"), self.integer(high, f"an end of {what}")
+        stride = 1 if step is None else self.integer(step, f"the step of {what}")
+        if stride == 0:
+            assert step is not None
+            self.sink.error(Code.INDEX, f"the step of {what} is 0", step.span, help="write 1, or -1 to go down")
+        if first is None or last is None or not stride:
+            return None
+        return range(first, last + (1 if stride > 0 else -1), stride)
+
     def mismatch(self, blocks: list[Block], what: str, span: Span) -> None:
         """Report blocks whose sizes do not go together."""
         sizes = " and ".join(dict.fromkeys(block.size for block in blocks))

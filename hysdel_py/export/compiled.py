@@ -10,7 +10,7 @@ from hysdel_py.diagnostics.diagnostic import Diagnostic
 from hysdel_py.diagnostics.sink import Sink
 from hysdel_py.lowering.big_m import BigM, Ranges
 from hysdel_py.lowering.constants import Constants
-from hysdel_py.lowering.mld import item_rows
+from hysdel_py.lowering.rows import item_rows
 from hysdel_py.lowering.symbolic import symbolic_values
 from hysdel_py.semantics.typed_model import TypedModel
 from hysdel_py.systems.dha import Dha

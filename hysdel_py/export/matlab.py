@@ -99,7 +99,7 @@ def _matrices(compiled: Compiled, style: NumberStyle) -> Iterator[str]:
         if affine:
             yield matrix(f"S.{constant}", dense(mld, constant)[:, None], style)
     for name in ("E1", "E2", "E3", "E4", "E5"):
-        entries = dense(mld, name)
+        entries = getattr(mld, name)
         yield matrix(f"S.{name}", entries[:, None] if entries.ndim == 1 else entries, style)
     for name in ("A", "B1", "C", "D1"):
         yield f"S.{name} = [S.{name}rr, S.{name}rb; S.{name}br, S.{name}bb];"
@@ -167,8 +167,8 @@ def _ranges(compiled: Compiled, style: NumberStyle) -> Iterator[str]:
 
 
 def _written_range(key: str, variable: Variable, known: Mapping[str, Range]) -> Range | None:
-    """Range that the original writes: none for outputs and generated names."""
-    if key == "y" or variable.generated:
+    """Range that the original writes: none for outputs and generated names; one that an output declares is written."""
+    if variable.generated or (key == "y" and variable.is_bool):
         return None
     return known.get(variable.name)
 

@@ -6,9 +6,8 @@ import math
 from dataclasses import dataclass
 from typing import Any
 
-from numpy.typing import NDArray
-
 from hysdel_py.export.identifiers import element_of
+from hysdel_py.export.matrices import nonzeros, row_text
 from hysdel_py.systems.symbolic import Symbolic, postorder
 
 __all__ = ["NumberStyle", "Value", "matrix", "parameter_is_missing", "quoted", "value_text"]
@@ -115,10 +114,10 @@ def value_text(value: Value, style: NumberStyle) -> str:
     return style.number(value)
 
 
-def matrix(name: str, entries: NDArray[Any], style: NumberStyle) -> str:
-    """Assignment of a matrix, line by line; an empty one keeps its shape."""
+def matrix(name: str, entries: Any, style: NumberStyle) -> str:
+    """Assignment of a dense or sparse matrix, line by line; an empty one keeps its shape."""
     rows, columns = entries.shape
     if not rows or not columns:
         return f"{name} = zeros({rows}, {columns});"
-    lines = ["".join(f"{style.entry(entry)} " for entry in row) + ";" for row in entries.tolist()]
+    lines = [row_text(row, columns, "0 ", lambda value: f"{style.entry(value)} ") + ";" for row in nonzeros(entries)]
     return "\n".join([f"{name} = [", *lines, "];"])

@@ -8,8 +8,9 @@ from __future__ import annotations
 import json
 import math
 import os
-from collections.abc import Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import asdict
+from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
@@ -21,7 +22,10 @@ from hysdel_py.systems.origin import RowOrigin
 from hysdel_py.systems.signals import Variable
 from hysdel_py.systems.symbolic_mld import MATRICES, SymbolicMld
 
-__all__ = ["MATRICES", "SCHEMA", "dense", "mld_to_dict", "write_json", "write_mat", "write_npz"]
+__all__ = [
+    "MATRICES", "SCHEMA", "dense", "json_text", "mld_to_dict", "nonzeros", "row_text", "write_json", "write_mat",
+    "write_npz",
+]  # fmt: skip
 
 SCHEMA = "hysdel_py/mld/1"
 """Name and version of the layout of the JSON form."""
@@ -33,6 +37,10 @@ def mld_to_dict(mld: Mld) -> dict[str, Any]:
 
     Infinite ends of ranges become null, since JSON has no infinity.
     """
+    return {**_head(mld), **{name: dense(mld, name).tolist() for name in MATRICES}, **_tail(mld)}
+
+
+def _head(mld: Mld) -> dict[str, Any]:
     return {
         "schema": SCHEMA,
         "name": mld.name,
@@ -42,11 +50,11 @@ def mld_to_dict(mld: Mld) -> dict[str, Any]:
         "E2 d + E3 z <= E1 u + E4 x + E5",
         "sizes": {key: getattr(mld, f"n{key}") for key in ("x", "u", "y", "d", "z", "e")},
         "variables": {key: [_variable(v) for v in getattr(mld, key)] for key in ("x", "u", "y", "d", "z")},
-        **{name: dense(mld, name).tolist() for name in MATRICES},
-        "rows": _origins(mld.rows),
-        "updates": _origins(mld.updates),
-        "outputs": _origins(mld.outputs),
     }
+
+
+def _tail(mld: Mld) -> dict[str, Any]:
+    return {key: _origins(getattr(mld, key)) for key in ("rows", "updates", "outputs")}
 
 
 def dense(mld: Mld | SymbolicMld, name: str) -> NDArray[Any]:
@@ -55,6 +63,29 @@ def dense(mld: Mld | SymbolicMld, name: str) -> NDArray[Any]:
     if isinstance(mld, SymbolicMld):
         return np.asarray(matrix)
     return np.asarray(matrix.toarray() if hasattr(matrix, "toarray") else matrix, dtype=float) + 0.0
+
+
+def nonzeros(matrix: Any) -> Iterator[list[tuple[int, float]]]:
+    """Column and value of the entries of each row that are not zero, of a dense or a sparse matrix."""
+    if not hasattr(matrix, "indptr"):
+        for row in matrix:
+            places = np.flatnonzero(row)
+            yield list(zip(places.tolist(), row[places].tolist(), strict=True))
+        return
+    ordered = matrix.sorted_indices()
+    columns, values = ordered.indices.tolist(), ordered.data.tolist()
+    for start, end in pairwise(ordered.indptr.tolist()):
+        yield [(j, value) for j, value in zip(columns[start:end], values[start:end], strict=True) if value]
+
+
+def row_text(entries: list[tuple[int, float]], count: int, zero: str, text: Callable[[float], str]) -> str:
+    """A row of so many entries as text; zeros, which large models are full of, are written run by run."""
+    pieces: list[str] = []
+    written = 0
+    for column, value in entries:
+        pieces += (zero * (column - written), text(value))
+        written = column + 1
+    return "".join((*pieces, zero * (count - written)))
 
 
 def _variable(variable: Variable) -> dict[str, Any]:
@@ -80,8 +111,26 @@ def _origins(rows: Sequence[RowOrigin]) -> list[dict[str, Any]]:
 
 
 def write_json(mld: Mld, path: str | os.PathLike[str]) -> None:
-    """Write the plain data of an Mld as JSON."""
-    Path(path).write_text(json.dumps(mld_to_dict(mld), indent=1) + "\n", encoding="utf-8")
+    """Write the plain data of an Mld as JSON, each row of a matrix on a line of its own."""
+    Path(path).write_text(json_text(mld), encoding="utf-8")
+
+
+def json_text(mld: Mld) -> str:
+    """The plain data of an Mld as JSON."""
+    entries = [
+        *(f"{json.dumps(key)}: {json.dumps(value, indent=1)}" for key, value in _head(mld).items()),
+        *(f'"{name}": {_json_matrix(getattr(mld, name))}' for name in MATRICES),
+        *(f"{json.dumps(key)}: {json.dumps(value, indent=1)}" for key, value in _tail(mld).items()),
+    ]
+    return "{\n" + ",\n".join(entries) + "\n}\n"
+
+
+def _json_matrix(matrix: Any) -> str:
+    if matrix.ndim == 1:
+        return json.dumps((matrix + 0.0).tolist())
+    columns = matrix.shape[1]
+    rows = (row_text(row, columns, "0.0, ", lambda value: f"{json.dumps(value)}, ") for row in nonzeros(matrix))
+    return "[\n" + ",\n".join(f"[{row.removesuffix(', ')}]" for row in rows) + "\n]"
 
 
 def write_npz(mld: Mld, path: str | os.PathLike[str]) -> None:
@@ -115,4 +164,4 @@ def write_mat(mld: Mld, path: str | os.PathLike[str]) -> None:
 
 def _about(mld: Mld) -> str:
     """All but the matrices as JSON text, so that an array file can be read back as it was."""
-    return json.dumps({key: value for key, value in mld_to_dict(mld).items() if key not in MATRICES})
+    return json.dumps({**_head(mld), **_tail(mld)})

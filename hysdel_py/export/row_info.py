@@ -3,14 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from typing import Any
-
-from numpy.typing import NDArray
 
 from hysdel_py.diagnostics.sink import Sink
 from hysdel_py.export.compiled import Compiled
 from hysdel_py.export.matlab_text import NumberStyle, Value
-from hysdel_py.export.matrices import dense
+from hysdel_py.export.matrices import nonzeros
 from hysdel_py.lowering.big_m import Ranges
 from hysdel_py.systems.affine import Affine
 from hysdel_py.systems.dha import Event, Switch
@@ -20,7 +17,7 @@ from hysdel_py.systems.signals import Variable
 __all__ = ["row_info"]
 
 Fields = dict[str, Value]
-Part = tuple[NDArray[Any], Sequence[Variable]]
+Part = tuple[list[tuple[int, float]], Sequence[Variable]]
 Interval = tuple[float, float]
 
 
@@ -32,11 +29,12 @@ def row_info(compiled: Compiled, style: NumberStyle) -> Iterator[tuple[str, int,
         ("output", mld.outputs, mld.y, ("C", "D1", "D2", "D3", "D5")),
     )
     for key, origins, variables, names in equations:
-        matrices = [dense(mld, name) for name in names]
-        for index, (origin, variable) in enumerate(zip(origins, variables, strict=True)):
+        *matrices, constants = (getattr(mld, name) for name in names)
+        rows = zip(*map(nonzeros, matrices), strict=True)
+        for index, (origin, variable, row) in enumerate(zip(origins, variables, rows, strict=True)):
             if origin.item:
-                parts = [(m[index], g) for m, g in zip(matrices, (mld.x, mld.u, mld.d, mld.z), strict=False)]
-                human = f"{variable.name} = {_sum(parts, matrices[-1][index], style)}"
+                parts = list(zip(row, (mld.x, mld.u, mld.d, mld.z), strict=True))
+                human = f"{variable.name} = {_sum(parts, constants[index], style)}"
                 yield key, index + 1, _fields(origin, human)
     extras = _Extras(compiled)
     for index, (origin, human) in enumerate(zip(mld.rows, _inequalities(compiled, style), strict=True), start=1):
@@ -60,16 +58,16 @@ def _fields(origin: RowOrigin, human: str) -> Fields:
 
 def _inequalities(compiled: Compiled, style: NumberStyle) -> Iterator[str]:
     mld = compiled.mld
-    E1, E2, E3, E4, E5 = (dense(mld, name) for name in ("E1", "E2", "E3", "E4", "E5"))
-    for index in range(len(E5)):
-        left = _sum([(E2[index], mld.d), (E3[index], mld.z)], 0.0, style)
-        right = _sum([(E1[index], mld.u), (E4[index], mld.x)], E5[index], style)
+    matrices = (nonzeros(matrix) for matrix in (mld.E1, mld.E2, mld.E3, mld.E4))
+    for E1, E2, E3, E4, constant in zip(*matrices, mld.E5, strict=True):
+        left = _sum([(E2, mld.d), (E3, mld.z)], 0.0, style)
+        right = _sum([(E1, mld.u), (E4, mld.x)], constant, style)
         yield f"{left} <= {right}"
 
 
 def _sum(parts: Sequence[Part], constant: float, style: NumberStyle) -> str:
     """Terms in the alphabetical order of the names, then the constant."""
-    terms = sorted((v.name, c) for row, group in parts for v, c in zip(group, row.tolist(), strict=True) if c)
+    terms = sorted((group[column].name, c) for row, group in parts for column, c in row)
     texts = [f"({style.number(c)}) * {name}" for name, c in terms]
     if constant or not texts:
         texts.append(f"({style.number(constant)})")

@@ -20,7 +20,7 @@ __all__ = ["SCOPE", "grammar_json", "tmlanguage"]
 SCOPE = "source.hysdel"
 _CONTROL = frozenset({"IF", "THEN", "ELSE", "FOR"})
 _TRUTHS = frozenset({"TRUE", "FALSE"})
-_PREDEFINED = ("pi", "MLD_epsilon")
+_PREDEFINED = ("pi", "MLD_epsilon", "MLD_bigMbound")
 _LATER_OPERATORS = ("==", "<", ">", ":", ".", "=")
 
 

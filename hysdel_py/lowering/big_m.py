@@ -1,26 +1,30 @@
 """Ranges of affine forms, from which the big-M constants are taken.
 
 ``interval`` is the rule of the original compiler: a variable has its declared range, else the range of its definition;
-a form has the interval of its collected terms.
+a form has the interval of its collected terms. Where neither gives a range, the default bound of the Dha does, if it
+has one, with a warning.
+``lp`` starts from it and is in :mod:`hysdel_py.lowering.tightening`.
 """
 
 from __future__ import annotations
 
 import math
 from collections.abc import Mapping
+from dataclasses import dataclass
 from enum import Enum
 from types import MappingProxyType
+from typing import Protocol
 
 from hysdel_py.diagnostics.codes import Code
 from hysdel_py.diagnostics.diagnostic import Label
 from hysdel_py.diagnostics.sink import Sink
 from hysdel_py.syntax.source import Span
 from hysdel_py.systems.affine import Affine
-from hysdel_py.systems.dha import AffineEquation, Definition, Dha, Switch
+from hysdel_py.systems.dha import AffineEquation, Definition, Dha, Event, Switch
 from hysdel_py.systems.origin import Origin
 from hysdel_py.systems.symbolic import greatest, is_finite, least
 
-__all__ = ["BigM", "Ranges"]
+__all__ = ["BigM", "EventConstants", "Ranges", "Rule", "SwitchConstants"]
 
 Interval = tuple[float, float]
 _UNKNOWN = (-math.inf, math.inf)
@@ -30,6 +34,51 @@ class BigM(Enum):
     """How the big-M constants are computed."""
 
     INTERVAL = "interval"
+    LP = "lp"
+
+
+@dataclass(frozen=True, slots=True)
+class EventConstants:
+    """Constants of ``f >= eps + (m - eps) d`` and ``f <= M (1 - d)``: `low` is m, `high` is M."""
+
+    low: float
+    high: float
+
+
+@dataclass(frozen=True, slots=True)
+class SwitchConstants:
+    """Coefficients of s in the four rows of ``z = {IF s THEN f1 ELSE f2}``.
+
+    ::
+
+        f1 - z + c1 s <= c1      c1 bounds f1 - f2 where s = 0
+        z - f1 + c2 s <= c2      c2 bounds f2 - f1 where s = 0
+        f2 - z + c3 s <= 0      -c3 bounds f2 - f1 where s = 1
+        z - f2 + c4 s <= 0      -c4 bounds f1 - f2 where s = 1
+    """
+
+    c1: float
+    c2: float
+    c3: float
+    c4: float
+
+    @property
+    def bounds(self) -> tuple[float, float, float, float]:
+        """What each row allows when it is switched off."""
+        return self.c1, self.c2, 0.0 - self.c3, 0.0 - self.c4
+
+
+class Rule(Protocol):
+    """Gives the constants of rows and the ranges of variables."""
+
+    def event(self, event: Event) -> EventConstants:
+        """Constants of the two rows of an event."""
+
+    def switch(self, switch: Switch) -> SwitchConstants:
+        """Constants of the four rows of a switch."""
+
+    def of_variable(self, name: str) -> Interval:
+        """Range of a variable, infinite where it is not known."""
 
 
 class Ranges:
@@ -43,8 +92,11 @@ class Ranges:
         self._sink = sink
         self._declared = declared or {}
         self._tolerance = dha.tolerances.range
+        self._default = dha.default_bound
         self._known: dict[str, Interval] = {
-            v.name: (v.low, v.high) for v in (*dha.x, *dha.u, *dha.d, *dha.z) if is_finite(v.low) or is_finite(v.high)
+            v.name: (v.low, v.high)
+            for v in (*dha.x, *dha.u, *dha.y, *dha.d, *dha.z)
+            if is_finite(v.low) or is_finite(v.high)
         }
 
     def of(self, form: Affine, limits: Interval | None, origin: Origin) -> Interval:
@@ -61,6 +113,17 @@ class Ranges:
             self._report(Code.NO_BOUNDS, f"the range of {', '.join(infinite)} is not finite", origin, infinite[-1:])
             return (0.0, 0.0)
         return low, high
+
+    def event(self, event: Event) -> EventConstants:
+        """Constants of the two rows of an event."""
+        return EventConstants(*self.of(event.form, event.limits, event.origin))
+
+    def switch(self, switch: Switch) -> SwitchConstants:
+        """Constants of the four rows of a switch."""
+        (f1, limits1), (f2, limits2) = switch.branches
+        low1, high1 = self.of(f1, limits1, switch.origin)
+        low2, high2 = self.of(f2, limits2, switch.origin)
+        return SwitchConstants(high1 - low2, high2 - low1, low1 - high2, low2 - high1)
 
     @property
     def known(self) -> Mapping[str, Interval]:
@@ -90,9 +153,13 @@ class Ranges:
         while path:
             current = path[-1]
             needed = self._missing_for(current)
+            if needed is None and self._assume(current, origin):
+                continue
             if needed is None:
                 self._report(Code.NO_BOUNDS, f"{current} has neither bounds nor a definition", origin, [current])
                 return False
+            if needed in path and self._assume(needed, origin):
+                continue
             if needed in path:
                 circle = [*path[path.index(needed) :], needed]
                 self._report(
@@ -105,6 +172,22 @@ class Ranges:
                 if current not in self._known:
                     self._known[current] = self._from_definition(self._definitions.get(current))
                 path.pop()
+        return True
+
+    def _assume(self, name: str, origin: Origin | None) -> bool:
+        """Give a variable the default bound where an item needs its range; False if there is no default."""
+        if origin is None or math.isinf(self._default):
+            return False
+        self._known[name] = (-self._default, self._default)
+        self._sink.warning(
+            Code.ASSUMED_BOUNDS,
+            f"{name} has no range: [{-self._default:g}, {self._default:g}] of MLD_bigMbound is assumed",
+            self._declared.get(name, Span(origin.start, origin.end)),
+            help=f"outside of it the MLD form has no step; declare the true range, as in REAL {name} [low, high];",
+            labels=(Label(Span(origin.start, origin.end), "this item needs it for a big-M constant"),)
+            if name in self._declared
+            else (),
+        )
         return True
 
     def _missing_for(self, name: str) -> str | None:
@@ -133,7 +216,8 @@ class Ranges:
             code,
             f"this item needs a big-M constant, but {fact}",
             Span(origin.start, origin.end),
-            help=f"declare a range, as in REAL {names[0] if names else 'x'} [low, high];",
+            help=f"declare a range, as in REAL {names[0] if names else 'x'} [low, high]; or one for all variables that "
+            "have none, by the parameter REAL MLD_bigMbound = 1e4;",
             labels=tuple(Label(self._declared[name], "declared here") for name in names if name in self._declared),
         )
 

@@ -18,8 +18,9 @@ from hysdel_py.lowering.cnf import TooManyClauses, cnf
 from hysdel_py.lowering.constants import Constants
 from hysdel_py.lowering.expressions import ExpressionLowering, mentions_constant
 from hysdel_py.lowering.generated import Generated, check_finite
+from hysdel_py.lowering.truth import MAX_NAMES, constant_truth
 from hysdel_py.semantics.expressions import Expression
-from hysdel_py.semantics.symbols import EPSILON, Role, Symbol
+from hysdel_py.semantics.symbols import BIG_M_BOUND, EPSILON, Role, Symbol
 from hysdel_py.semantics.typed_model import Branch, Choice, Equation, Item, Requirement, Threshold, Triple, TypedModel
 from hysdel_py.syntax.ast import SectionKind
 from hysdel_py.syntax.source import Span
@@ -84,9 +85,16 @@ def to_dha(model: TypedModel, values: Mapping[str, float], constants: Constants,
         z + tuple(lowering.generated.reals),
         items + tuple(lowering.generated.items),
         model.source.name,
+        default_bound=_default_bound(model, values),
     )
     _warn_of_loop(dha, sink)
     return dha
+
+
+def _default_bound(model: TypedModel, values: Mapping[str, float]) -> float:
+    """Bound of variables without a range; infinite, which is none, where the parameter for it is not declared."""
+    declared = any(s.name == BIG_M_BOUND and s.is_parameter for s in model.symbols)
+    return values.get(BIG_M_BOUND, math.inf) if declared else math.inf
 
 
 def _warn_of_loop(dha: Dha, sink: Sink) -> None:
@@ -273,7 +281,9 @@ class _ItemLowering:
 
 
 def _is_tautology(formula: Formula) -> bool:
-    """Whether a formula is always true; one that expands beyond the limit of clauses counts as not."""
+    """Whether a formula is always true; one over many names that has too many clauses counts as not."""
+    if len(formula.names) <= MAX_NAMES:
+        return constant_truth(formula) is True
     try:
         return not cnf(formula)
     except TooManyClauses:

@@ -10,7 +10,7 @@ import math
 from collections.abc import Iterator
 
 from hysdel_py.diagnostics.codes import Code
-from hysdel_py.diagnostics.diagnostic import Label
+from hysdel_py.diagnostics.diagnostic import Diagnostic, Label
 from hysdel_py.diagnostics.sink import Sink
 from hysdel_py.lowering.big_m import Ranges
 from hysdel_py.lowering.truth import constant_truth
@@ -54,6 +54,22 @@ def lint(model: TypedModel, dha: Dha, sink: Sink) -> None:
                 checks.definition(item)
     checks.conditions()
     checks.missing_bounds()
+    _drop_repetitions(sink)
+
+
+def _drop_repetitions(sink: Sink) -> None:
+    """A condition that is constant by its form explains why a branch is dead."""
+    conditions = [d.span for d in sink.diagnostics if d.code is Code.CONSTANT_CONDITION and d.span]
+
+    def explained(found: Diagnostic) -> bool:
+        span = found.span
+        return (
+            found.code is Code.DEAD_BRANCH
+            and span is not None
+            and any(span.start <= inner.start and inner.end <= span.end for inner in conditions)
+        )
+
+    sink.forget(explained)
 
 
 class _Checks:
@@ -134,7 +150,10 @@ class _Checks:
 
     def missing_bounds(self) -> None:
         """Real states and inputs without a range."""
+        assumed = {d.span for d in self._sink.diagnostics if d.code is Code.ASSUMED_BOUNDS}
         for symbol in self._model.symbols:
+            if symbol.span in assumed:
+                continue
             if symbol.is_real and symbol.bounds is None and symbol.role.name in ("STATE", "INPUT"):
                 self._sink.note(
                     Code.MISSING_BOUNDS,

@@ -7,8 +7,8 @@ on the false side of each event is lost. Every row carries the item it came from
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
-from dataclasses import dataclass, replace
+from collections.abc import Mapping
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -16,21 +16,13 @@ from numpy.typing import NDArray
 
 from hysdel_py.diagnostics.codes import Code
 from hysdel_py.diagnostics.sink import Sink
-from hysdel_py.lowering.big_m import BigM, Ranges
-from hysdel_py.lowering.cnf import MAX_CLAUSES, TooManyClauses, cnf
+from hysdel_py.lowering.big_m import BigM, Ranges, Rule
+from hysdel_py.lowering.rows import Row, item_rows
+from hysdel_py.lowering.tightening import tighten
 from hysdel_py.syntax.source import Span
 from hysdel_py.systems.affine import Affine
-from hysdel_py.systems.dha import (
-    AffineEquation,
-    AffineRequirement,
-    Dha,
-    DhaItem,
-    Event,
-    LogicEquation,
-    LogicRequirement,
-    Switch,
-)
-from hysdel_py.systems.formula import Connective, Formula
+from hysdel_py.systems.dha import AffineEquation, Dha, LogicEquation
+from hysdel_py.systems.formula import Formula
 from hysdel_py.systems.mld import Mld
 from hysdel_py.systems.origin import Origin, RowOrigin
 from hysdel_py.systems.signals import Variable
@@ -38,23 +30,15 @@ from hysdel_py.systems.signals import Variable
 if TYPE_CHECKING:
     from scipy.sparse import csr_array
 
-__all__ = ["MAX_DENSE_ENTRIES", "Row", "equation", "item_rows", "to_mld", "with_ranges"]
+__all__ = ["MAX_DENSE_ENTRIES", "assemble", "equation", "to_mld", "with_ranges"]
 
 MAX_DENSE_ENTRIES = 50_000_000
 """Largest number of entries of the dense update and output matrices together (400 MB)."""
 
 
-@dataclass(frozen=True, slots=True)
-class Row:
-    """``form <= 0`` and where it comes from."""
-
-    form: Affine
-    origin: RowOrigin
-
-
 def to_mld(
     dha: Dha,
-    big_m: BigM,  # noqa: ARG001 -- there is one rule so far
+    big_m: BigM,
     sink: Sink,
     declared: Mapping[str, Span] | None = None,
 ) -> Mld | None:
@@ -74,14 +58,19 @@ def to_mld(
         )
         return None
     ranges = Ranges(dha, sink, declared)
-    rows = [row for item in dha.items for row in item_rows(item, ranges, sink)]
+    return assemble(dha, ranges if big_m is BigM.INTERVAL else tighten(dha, ranges, sink), sink)
+
+
+def assemble(dha: Dha, rule: Rule, sink: Sink) -> Mld:
+    """Rows with the constants of a rule, and the matrices; meaningful only if the sink has not failed."""
+    rows = [row for item in dha.items for row in item_rows(item, rule, sink)]
     A, B1, B2, B3, B5, updates = _equations(dha, dha.x, "state")
     C, D1, D2, D3, D5, outputs = _equations(dha, dha.y, "output")
     E1, E2, E3, E4, E5 = _inequalities(dha, rows)
     return Mld(
         dha.name,
-        x=with_ranges(dha.x, ranges), u=with_ranges(dha.u, ranges), y=with_ranges(dha.y, ranges),
-        d=with_ranges(dha.d, ranges), z=with_ranges(dha.z, ranges),
+        x=with_ranges(dha.x, rule), u=with_ranges(dha.u, rule), y=with_ranges(dha.y, rule),
+        d=with_ranges(dha.d, rule), z=with_ranges(dha.z, rule),
         A=A, B1=B1, B2=B2, B3=B3, B5=B5, C=C, D1=D1, D2=D2, D3=D3, D5=D5, E1=E1, E2=E2, E3=E3, E4=E4, E5=E5,
         rows=tuple(row.origin for row in rows),
         updates=updates,
@@ -91,85 +80,10 @@ def to_mld(
     )  # fmt: skip
 
 
-def with_ranges(group: tuple[Variable, ...], ranges: Ranges) -> tuple[Variable, ...]:
+def with_ranges(group: tuple[Variable, ...], rule: Rule) -> tuple[Variable, ...]:
     """Variables with their ranges as far as these can be known."""
-    known = [(variable, *ranges.of_variable(variable.name)) for variable in group]
+    known = [(variable, *rule.of_variable(variable.name)) for variable in group]
     return tuple(replace(variable, low=low, high=high) for variable, low, high in known)
-
-
-# ---- rows of the items ------------------------------------------------------------------------------------------
-
-
-def item_rows(item: DhaItem, ranges: Ranges, sink: Sink) -> Iterator[Row]:
-    """Rows of one item in the order of the original compiler; none for an update or output."""
-    match item:
-        case Event():
-            forms, kind, name = _event_rows(item, ranges), "AD", item.name
-        case Switch():
-            forms, kind, name = _switch_rows(item, ranges), "DA", item.name
-        case AffineEquation(item="Linear", name=name, value=value):
-            forms, kind = [value - _variable(name), _variable(name) - value], "Linear"
-        case AffineRequirement(value=value):
-            forms, kind, name = [value], "Cont_must", ""
-        case LogicEquation(item="Logic", name=name, value=value):
-            definition = Formula((name, *value.postfix, Connective.IFF))
-            forms, kind = _clause_rows(definition, item.origin, sink), "Logic"
-        case LogicRequirement(value=value):
-            forms, kind, name = _clause_rows(value, item.origin, sink), "Logic_must", ""
-        case _:
-            return
-    for subindex, form in enumerate(forms, start=1):
-        yield Row(form, item.origin.row(kind, name, subindex))
-
-
-def _variable(name: str, coefficient: float = 1.0) -> Affine:
-    return Affine(0.0, ((name, coefficient),))
-
-
-def _event_rows(event: Event, ranges: Ranges) -> list[Affine]:
-    """[d = 1] <-> [f <= 0]:  f >= eps + (m - eps) d  and  f <= M (1 - d)."""
-    low, high = ranges.of(event.form, event.limits, event.origin)
-    eps = event.epsilon
-    return [
-        Affine(eps) + _variable(event.name, low - eps) - event.form,
-        event.form + _variable(event.name, high) - Affine(high),
-    ]
-
-
-def _switch_rows(switch: Switch, ranges: Ranges) -> list[Affine]:
-    """Z = f1 where s = 1 and f2 where s = 0, with s negated by exchanging the branches."""
-    branches = ((switch.then, switch.then_limits), (switch.otherwise, switch.otherwise_limits))
-    (f1, limits1), (f2, limits2) = branches if switch.condition.positive else branches[::-1]
-    low1, high1 = ranges.of(f1, limits1, switch.origin)
-    low2, high2 = ranges.of(f2, limits2, switch.origin)
-    z, s = _variable(switch.name), switch.condition.name
-    return [
-        f1 - z + _variable(s, high1 - low2) - Affine(high1 - low2),
-        z - f1 + _variable(s, high2 - low1) - Affine(high2 - low1),
-        f2 - z + _variable(s, low1 - high2),
-        z - f2 + _variable(s, low2 - high1),
-    ]
-
-
-def _clause_rows(formula: Formula, origin: Origin, sink: Sink) -> list[Affine]:
-    """Each clause OR(p) OR(~n) as  - sum p + sum n <= #n - 1."""
-    try:
-        clauses = cnf(formula)
-    except TooManyClauses:
-        sink.error(
-            Code.TOO_MANY_CLAUSES,
-            f"the logic of this item expands to more than {MAX_CLAUSES} clauses",
-            Span(origin.start, origin.end),
-            help="name parts of it by Boolean auxiliaries in LOGIC",
-        )
-        return []
-    return [
-        Affine(
-            1.0 - sum(not literal.positive for literal in clause),
-            tuple((literal.name, -1.0 if literal.positive else 1.0) for literal in clause),
-        )
-        for clause in clauses
-    ]
 
 
 # ---- matrices ---------------------------------------------------------------------------------------------------
@@ -213,7 +127,8 @@ def _literal_form(formula: Formula) -> Affine:
     literal = formula.literal
     if literal is None:
         return Affine(float(formula.postfix[0] is True))
-    return _variable(literal.name) if literal.positive else Affine(1.0) - _variable(literal.name)
+    variable = Affine(0.0, ((literal.name, 1.0),))
+    return variable if literal.positive else Affine(1.0) - variable
 
 
 def _places(groups: tuple[tuple[Variable, ...], ...]) -> Mapping[str, tuple[int, int]]:

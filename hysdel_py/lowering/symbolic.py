@@ -17,10 +17,11 @@ from numpy.typing import NDArray
 from hysdel_py.diagnostics.codes import Code
 from hysdel_py.diagnostics.sink import Sink
 from hysdel_py.lowering.big_m import Ranges
-from hysdel_py.lowering.mld import Row, equation, item_rows, with_ranges
+from hysdel_py.lowering.mld import equation, with_ranges
+from hysdel_py.lowering.rows import Row, item_rows
 from hysdel_py.semantics.arithmetic import evaluate
 from hysdel_py.semantics.expressions import leaves
-from hysdel_py.semantics.symbols import Symbol
+from hysdel_py.semantics.symbols import BIG_M_BOUND, Symbol
 from hysdel_py.semantics.typed_model import TypedModel
 from hysdel_py.systems.affine import Affine
 from hysdel_py.systems.dha import Dha
@@ -40,8 +41,8 @@ Matrix = NDArray[Any]
 def symbolic_values(model: TypedModel, values: Mapping[str, float], *, every: bool = False) -> dict[str, float]:
     """Values of all real parameters, symbolic where there is no number.
 
-    A parameter whose definition uses an open one becomes the expression over it. Predefined parameters keep their
-    numbers, and a BOOL parameter cannot be symbolic, since rows depend on it.
+    A parameter whose definition uses an open one becomes the expression over it. Predefined parameters and
+    MLD_bigMbound keep their numbers, and a BOOL parameter cannot be symbolic, since rows depend on it.
 
     Parameters
     ----------
@@ -62,11 +63,11 @@ def symbolic_values(model: TypedModel, values: Mapping[str, float], *, every: bo
 
 
 def _can_open(symbol: Symbol) -> bool:
-    return symbol.is_real and symbol.line > 0
+    return symbol.is_real and symbol.line > 0 and symbol.name != BIG_M_BOUND
 
 
 def _open(symbol: Symbol, known: Mapping[str, float], *, every: bool) -> float | None:
-    if symbol.is_real and (every or symbol.value is None):
+    if _can_open(symbol) and (every or symbol.value is None):
         return parameter(symbol.name)
     if symbol.value is None or any(leaf.name not in known for leaf in leaves(symbol.value)):
         return None

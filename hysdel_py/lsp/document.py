@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from dataclasses import dataclass
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
 from functools import cached_property
+from pathlib import Path
 
 from hysdel_py import compiler
 from hysdel_py.diagnostics.diagnostic import Diagnostic
 from hysdel_py.diagnostics.sink import Sink
+from hysdel_py.elaboration.elaborate import Instance, elaborate
 from hysdel_py.errors import CompileError
 from hysdel_py.lowering.big_m import BigM
 from hysdel_py.lowering.constants import Constants
@@ -41,10 +43,20 @@ class _Analysis:
 
 @dataclass(frozen=True)
 class Document:
-    """An open text; everything is found out when first asked for."""
+    """An open text; everything is found out when first asked for.
+
+    Attributes
+    ----------
+    text : str
+    name : str
+        Name of the file.
+    folder : Path or None
+        Where it lies, and so the files of its modules; None for a text that is no file.
+    """
 
     text: str
     name: str = "model.hys"
+    folder: Path | None = None
 
     @cached_property
     def source(self) -> Source:
@@ -70,17 +82,30 @@ class Document:
     def _analysis(self) -> _Analysis:
         try:
             # A line end makes sure that this is taken for a text and not for the name of a file.
-            model, values, found = compiler.analyse(self.text + "\n", {})
+            folders = () if self.folder is None else (self.folder,)
+            model, values, found = compiler.analyse(self.text + "\n", {}, folders)
         except CompileError as error:
-            return _Analysis(error.diagnostics, None, {}, None)
+            return _Analysis(self._here(error.diagnostics, error.source), None, {}, None)
+        found = self._here(found, model.source)
         if missing_parameters(model, values) or len(self.text) > LONGEST_LOWERED:
             return _Analysis(found, model, values, None)
         try:
             dha, more = compiler.lower_to_dha(model, values, Constants.AFFINE)
             mld, most = compiler.lower_to_mld(model, dha, BigM.INTERVAL)
         except CompileError as error:
-            return _Analysis((*found, *error.diagnostics), model, values, None)
-        return _Analysis((*found, *more, *most), model, values, mld)
+            return _Analysis((*found, *self._here(error.diagnostics, model.source)), model, values, None)
+        return _Analysis((*found, *self._here((*more, *most), model.source)), model, values, mld)
+
+    def _here(self, found: Sequence[Diagnostic], source: Source) -> tuple[Diagnostic, ...]:
+        """Diagnostics with places in this text; one about the file of a module has none and names the file."""
+        return tuple(self._placed(diagnostic, source) for diagnostic in found)
+
+    def _placed(self, found: Diagnostic, source: Source) -> Diagnostic:
+        labels = tuple(label for label in found.labels if label.span.start <= len(self.text))
+        if found.span is None or found.span.start <= len(self.text):
+            return replace(found, labels=labels)
+        home, span = source.home(found.span)
+        return replace(found, span=None, labels=labels, message=f"{home.name}:{home.line_of(span)}: {found.message}")
 
     @property
     def diagnostics(self) -> tuple[Diagnostic, ...]:
@@ -109,7 +134,10 @@ class Document:
             return {symbol.name: symbol for symbol in self.model.symbols}
         sink = Sink()
         system = parse(self.source, sink)
-        return {} if system is None else declare(system, self.source, sink)
+        if system is None:
+            return {}
+        scalar, _ = elaborate((Instance("", system),), {}, sink)
+        return declare(scalar, self.source, sink)
 
     def name_at(self, offset: int) -> Token | None:
         """The name that an offset is in or directly behind."""

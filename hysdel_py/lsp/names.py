@@ -12,7 +12,7 @@ from hysdel_py.syntax.tokens import FUNCTION_WORDS, KEYWORDS, TokenKind
 __all__ = ["definition", "references", "rename"]
 
 _NAME = re.compile(r"[A-Za-z][A-Za-z0-9_]*")
-_PREDEFINED = frozenset({"pi", "MLD_epsilon"})
+_PREDEFINED = frozenset({"pi", "MLD_epsilon", "MLD_bigMbound"})
 
 
 def definition(document: Document, offset: int) -> Span | None:

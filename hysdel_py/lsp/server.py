@@ -7,9 +7,10 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from functools import partial
-from pathlib import PurePosixPath
+from pathlib import Path, PurePosixPath
 from typing import Any
 from urllib.parse import unquote, urlparse
+from urllib.request import url2pathname
 
 from lsprotocol import types
 from pygls.exceptions import JsonRpcInvalidParams
@@ -84,7 +85,7 @@ class _Handlers:
         text = self._server.workspace.get_text_document(uri).source
         known = self._documents.get(uri)
         if known is None or known.text != text:
-            known = self._documents[uri] = Document(text, PurePosixPath(unquote(urlparse(uri).path)).name)
+            known = self._documents[uri] = _opened(text, uri)
         return known
 
     def _place(self, params: _AtPlace) -> tuple[Document, int]:
@@ -143,6 +144,13 @@ class _Handlers:
         if formatted == document.text:
             return []
         return [types.TextEdit(_range(document, Span(0, len(document.text))), formatted)]
+
+
+def _opened(text: str, uri: str) -> Document:
+    """A text with its name and, where it is a file, its folder."""
+    parsed = urlparse(uri)
+    folder = Path(url2pathname(parsed.path)).parent if parsed.scheme == "file" else None
+    return Document(text, PurePosixPath(unquote(parsed.path)).name, folder)
 
 
 def _range(document: Document, span: Span) -> types.Range:

@@ -85,16 +85,11 @@ def _completed(symbol: Symbol, declaration: ast.Declaration | None, typer: _Cons
     """The symbol with its bounds or value."""
     if declaration is None:
         return symbol
-    if declaration.interval is not None and symbol.role is Role.OUTPUT:
-        typer.sink.error(
-            Code.NOT_SUPPORTED,
-            f"the output {symbol.name} takes no bounds: its range follows from its definition",
-            declaration.interval.span,
-            help="limit it in the controller, or its definition in MUST",
-        )
-        return symbol
     if declaration.interval is not None:
-        return replace(symbol, bounds=typer.bounds(symbol, declaration.interval))
+        if symbol.role in (Role.OUTPUT, Role.PARAMETER):
+            fact = f"HYSDEL 2.0.5 takes no bounds on the {symbol.spoken} {symbol.name}"
+            typer.sink.note(Code.EXTENSION, fact, declaration.interval.span)
+        symbol = replace(symbol, bounds=typer.bounds(symbol, declaration.interval))
     if declaration.value is not None:
         return replace(symbol, value=typer.value(symbol, declaration.value))
     if symbol.is_parameter and not symbol.is_real:

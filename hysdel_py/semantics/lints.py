@@ -8,19 +8,19 @@ from collections import Counter
 from hysdel_py.diagnostics.codes import Code
 from hysdel_py.diagnostics.sink import Sink
 from hysdel_py.semantics.expressions import leaves
-from hysdel_py.semantics.symbols import EPSILON, Symbol
+from hysdel_py.semantics.symbols import BIG_M_BOUND, EPSILON, Symbol
 from hysdel_py.semantics.typed_model import Choice, Item, Threshold, Triple, TypedModel
 from hysdel_py.syntax.source import Span
 
-__all__ = ["note_unused_parameters"]
+__all__ = ["note_unused_parameters", "read_by"]
 
 _WORD = re.compile(r"[A-Za-z_]\w*")
-_READ_BY_TOOLS = frozenset({"ts", "Ts", "T_s", EPSILON})  # the sample time and the gap are read by name
+_READ_BY_TOOLS = frozenset({"ts", "Ts", "T_s", EPSILON, BIG_M_BOUND})  # these are read by their name
 
 
 def note_unused_parameters(model: TypedModel, sink: Sink) -> None:
     """Say which declared parameters nothing reads; libraries of parameters are common, so it is only a note."""
-    used = {leaf.name for item in model.items for leaf in _read_by(item)}
+    used = {leaf.name for item in model.items for leaf in read_by(item)}
     for symbol in model.symbols:
         for expression in (*(symbol.bounds or ()), *((symbol.value,) if symbol.value else ())):
             used |= {leaf.name for leaf in leaves(expression)}
@@ -32,7 +32,8 @@ def note_unused_parameters(model: TypedModel, sink: Sink) -> None:
             sink.note(Code.UNUSED_PARAMETER, f"the parameter {symbol.name} is never used", symbol.span)
 
 
-def _read_by(item: Item) -> list[Symbol]:
+def read_by(item: Item) -> list[Symbol]:
+    """Variables and parameters that an item reads, repeats included, also in its triples."""
     triples = [triple for triple in _triples(item) if triple is not None]
     limits = [part for triple in triples for part in (triple.low, triple.high, triple.epsilon)]
     return [leaf for expression in (*item.expressions(), *limits) for leaf in leaves(expression)]

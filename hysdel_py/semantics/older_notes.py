@@ -5,6 +5,7 @@ from __future__ import annotations
 from hysdel_py.diagnostics.codes import Code
 from hysdel_py.diagnostics.sink import Sink
 from hysdel_py.syntax import ast
+from hysdel_py.syntax.dialect import Dialect
 from hysdel_py.syntax.source import Source
 
 __all__ = ["note_what_the_original_refuses"]
@@ -17,6 +18,8 @@ def note_what_the_original_refuses(system: ast.System, source: Source, sink: Sin
     line_comment = next((span for span in source.comments if source.text.startswith("//", span.start)), None)
     if line_comment is not None:
         sink.note(Code.EXTENSION, "HYSDEL 2.0.5 knows no comments behind //", line_comment)
+    if system.dialect is not Dialect.HYSDEL_2:
+        sink.note(Code.EXTENSION, "HYSDEL 2.0.5 has a precedence of its own for logic and no other dialect")
     late = _late_auxiliaries(system)
     if late is not None:
         sink.note(Code.EXTENSION, "HYSDEL 2.0.5 wants one AUX, at the beginning of IMPLEMENTATION", late.span)

@@ -10,7 +10,7 @@ from hysdel_py.diagnostics.codes import Code
 from hysdel_py.diagnostics.sink import Sink
 from hysdel_py.semantics.arithmetic import evaluate
 from hysdel_py.semantics.expressions import leaves
-from hysdel_py.semantics.symbols import EPSILON, Symbol
+from hysdel_py.semantics.symbols import BIG_M_BOUND, EPSILON, Symbol
 from hysdel_py.semantics.typed_model import Threshold, TypedModel
 
 __all__ = ["bind_parameters", "missing_parameters"]
@@ -33,7 +33,10 @@ def bind_parameters(model: TypedModel, given: Mapping[str, object], sink: Sink) 
         if name not in values and symbol.value is not None and _known(symbol, values):
             values[name] = evaluate(symbol.value, values)
             _warn_of_nan(symbol, values[name], sink)
+    for symbol in parameters.values():
+        _check_bounds(symbol, values, sink)
     _check_epsilon(parameters, values, sink)
+    _check_big_m_bound(parameters, values, sink)
     return values
 
 
@@ -42,8 +45,10 @@ def missing_parameters(model: TypedModel, values: Mapping[str, float]) -> tuple[
     needed = {symbol.name for item in model.items for expression in item.expressions() for symbol in leaves(expression)}
     if any(isinstance(item.body, Threshold) and item.target is not None for item in model.items):
         needed.add(EPSILON)
+    needed.add(BIG_M_BOUND)  # whether a range needs it is not known before the rows are made
     for symbol in model.symbols:
-        for expression in (*(symbol.bounds or ()), *((symbol.value,) if symbol.value else ())):
+        bounds = () if symbol.is_parameter else symbol.bounds or ()
+        for expression in (*bounds, *((symbol.value,) if symbol.value else ())):
             needed |= {leaf.name for leaf in leaves(expression)}
     return tuple(s for s in model.parameters if s.name in needed and s.name not in values and s.value is None)
 
@@ -110,9 +115,52 @@ def _warn_of_nan(symbol: Symbol, value: float, sink: Sink) -> None:
         sink.warning(Code.NOT_A_NUMBER, f"the value of the parameter {symbol.name} is not a number", symbol.span)
 
 
+def _check_bounds(symbol: Symbol, values: Mapping[str, float], sink: Sink) -> None:
+    """A value outside of the declared bounds is an error; nothing is said where one of them is not known yet."""
+    if symbol.bounds is None or any(leaf.name not in values for bound in symbol.bounds for leaf in leaves(bound)):
+        return
+    low, high = (evaluate(bound, values) for bound in symbol.bounds)
+    if math.isnan(low) or math.isnan(high):
+        sink.error(Code.BAD_ARITHMETIC, f"a bound of the parameter {symbol.name} is not a number", symbol.span)
+        return
+    if low > high:
+        sink.warning(
+            Code.SWAPPED_BOUNDS,
+            f"the lower bound {low:g} of {symbol.name} lies above its upper bound {high:g}: they are swapped",
+            symbol.span,
+        )
+        low, high = high, low
+    value = values.get(symbol.name, math.nan)
+    if value < low or value > high:
+        sink.error(
+            Code.PARAMETER_VALUE,
+            f"the parameter {symbol.name} is {value:.12g}, outside of its bounds [{low:.12g}, {high:.12g}]",
+            symbol.span,
+            help="give a value within the bounds, or declare wider ones",
+        )
+
+
 def _check_epsilon(parameters: Mapping[str, Symbol], values: Mapping[str, float], sink: Sink) -> None:
     symbol = parameters.get(EPSILON)
     if symbol is not None and EPSILON in values and not 0 < values[EPSILON] < math.inf:
         sink.error(
             Code.PARAMETER_VALUE, f"{EPSILON} is {values[EPSILON]:g}: a positive number was expected", symbol.span
+        )
+
+
+def _check_big_m_bound(parameters: Mapping[str, Symbol], values: Mapping[str, float], sink: Sink) -> None:
+    symbol = parameters.get(BIG_M_BOUND)
+    if symbol is None:
+        return
+    if not symbol.is_real:
+        sink.error(
+            Code.WRONG_TYPE, f"{BIG_M_BOUND} is Boolean: it bounds real variables and has to be REAL", symbol.span
+        )
+    elif BIG_M_BOUND in values and not 0 < values[BIG_M_BOUND] < math.inf:
+        sink.error(
+            Code.PARAMETER_VALUE,
+            f"{BIG_M_BOUND} is {values[BIG_M_BOUND]:g}: a positive finite number was expected, since variables without "
+            f"a range are taken to lie between -{BIG_M_BOUND} and {BIG_M_BOUND}",
+            symbol.span,
+            help=f"write for example REAL {BIG_M_BOUND} = 1e4;",
         )

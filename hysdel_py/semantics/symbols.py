@@ -14,10 +14,16 @@ from hysdel_py.systems.signals import Type
 if TYPE_CHECKING:
     from hysdel_py.semantics.expressions import Expression
 
-__all__ = ["EPSILON", "PI", "PREDEFINED", "Role", "Symbol"]
+__all__ = ["BIG_M_BOUND", "EPSILON", "PI", "PREDEFINED", "Role", "Symbol"]
 
 EPSILON = "MLD_epsilon"
 """Name of the predefined parameter that separates the two sides of a threshold."""
+
+BIG_M_BOUND = "MLD_bigMbound"
+"""Name of the parameter that bounds, in absolute value, each variable whose range is needed and cannot be known.
+
+It is not predefined: without its declaration such a variable is an error.
+"""
 
 PI = "pi"
 
@@ -49,7 +55,7 @@ class Symbol:
     line : int
         Of the declaration, 0 for a predefined parameter.
     bounds : pair of Expression, or None
-        Declared range of a variable.
+        Declared range of a variable, or of the values that a parameter may have.
     value : Expression or None
         Declared value of a parameter.
     unit, description : str

@@ -10,7 +10,7 @@ from hysdel_py.diagnostics.sink import Sink
 from hysdel_py.semantics.expressions import Apply, Constant, Expression, Reference, is_constant
 from hysdel_py.semantics.symbols import Role, Symbol
 from hysdel_py.syntax import ast
-from hysdel_py.syntax.operators import ARITHMETIC, ARROWS, COMPARISONS, FUNCTIONS, Op
+from hysdel_py.syntax.operators import ARITHMETIC, COMPARISONS, FUNCTIONS, Op
 from hysdel_py.syntax.source import Span
 from hysdel_py.syntax.traversal import fold
 from hysdel_py.systems.signals import Type
@@ -70,24 +70,13 @@ class ExpressionTyper:
                     self._sink.note(Code.EXTENSION, "HYSDEL 2.0.5 refuses a comparison in parentheses", span)
                 return args[0]
             case ast.Apply(op=op, span=span):
-                self._warn_of_mixed_logic(node)
                 known = [argument for argument in args if argument is not None]
                 return self._apply(op, known, span) if len(known) == len(args) else None
             case ast.Conditional():
                 known = [argument for argument in args if argument is not None]
                 return self._conditional(node, known) if len(known) == len(args) else None
-            case ast.Indexed() | ast.Matrix() | ast.Range():
+            case ast.Indexed() | ast.Matrix() | ast.Range() | ast.All():
                 raise AssertionError(node)  # elaboration leaves scalars
-
-    def _warn_of_mixed_logic(self, node: ast.Apply) -> None:
-        """OR binds weaker than the arrows, which few expect."""
-        if node.op is Op.OR and any(isinstance(part, ast.Apply) and part.op in ARROWS for part in node.args):
-            self._sink.warning(
-                Code.MIXED_LOGIC,
-                "| binds weaker than the arrows: a | b -> c is a | (b -> c)",
-                node.span,
-                help="put parentheses where | and arrows meet",
-            )
 
     def _name(self, name: str, span: Span) -> Expression | None:
         symbol = self._symbols.get(name)

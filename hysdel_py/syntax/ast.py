@@ -9,11 +9,12 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from enum import Enum
 
+from hysdel_py.syntax.dialect import Dialect
 from hysdel_py.syntax.operators import Op
 from hysdel_py.syntax.source import Span
 
 __all__ = [
-    "Apply", "Choice", "Conditional", "Declaration", "DeclarationSection", "Equation", "Expression", "Group",
+    "All", "Apply", "Choice", "Conditional", "Declaration", "DeclarationSection", "Equation", "Expression", "Group",
     "Indexed", "Interval", "Item", "ItemSection", "Loop", "Matrix", "Module", "Name", "Number", "Range", "Requirement",
     "SectionKind", "System", "Triple", "Truth", "children",
 ]  # fmt: skip
@@ -63,10 +64,18 @@ class Name:
 
 @dataclass(frozen=True, slots=True)
 class Range:
-    """``low:high`` as an index."""
+    """``low:high`` or ``low:step:high`` as an index."""
 
     low: Expression
+    step: Expression | None
     high: Expression
+    span: Span = field(compare=False)
+
+
+@dataclass(frozen=True, slots=True)
+class All:
+    """``:`` as an index."""
+
     span: Span = field(compare=False)
 
 
@@ -116,7 +125,7 @@ class Conditional:
     span: Span = field(compare=False)
 
 
-Expression = Number | Truth | Name | Range | Indexed | Matrix | Group | Apply | Conditional
+Expression = Number | Truth | Name | Range | All | Indexed | Matrix | Group | Apply | Conditional
 
 
 def children(expression: Expression) -> tuple[Expression, ...]:  # noqa: PLR0911 -- a table
@@ -130,8 +139,8 @@ def children(expression: Expression) -> tuple[Expression, ...]:  # noqa: PLR0911
             return indices
         case Matrix(rows=rows):
             return tuple(entry for row in rows for entry in row)
-        case Range(low=low, high=high):
-            return (low, high)
+        case Range(low=low, step=step, high=high):
+            return (low, high) if step is None else (low, step, high)
         case Conditional(condition=condition, then=then, otherwise=otherwise):
             return (condition, then) if otherwise is None else (condition, then, otherwise)
         case _:
@@ -223,10 +232,11 @@ class Requirement:
 
 @dataclass(frozen=True, slots=True)
 class Loop:
-    """``FOR (iterator = low:high) { items }``."""
+    """``FOR (iterator = low:step:high) { items }``; the step may be missing."""
 
     iterator: Name
     low: Expression
+    step: Expression | None
     high: Expression
     items: tuple[Item, ...]
     span: Span = field(compare=False)
@@ -261,3 +271,4 @@ class System:
     sections: tuple[ItemSection, ...]
     span: Span = field(compare=False)
     modules: tuple[Module, ...] = ()
+    dialect: Dialect = Dialect.HYSDEL_2

@@ -11,6 +11,9 @@ from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, replace
 from itertools import groupby
 
+from hysdel_py.diagnostics.sink import Sink
+from hysdel_py.syntax.dialect import Dialect, stated_dialect
+from hysdel_py.syntax.source import Source
 from hysdel_py.syntax.spacing import is_choice_brace, stands_alone
 from hysdel_py.syntax.tokens import Token, TokenKind, tokenize
 from hysdel_py.syntax.wrapping import Piece, wrap
@@ -67,7 +70,7 @@ def format_text(text: str) -> str:
     }
     <BLANKLINE>
     """
-    layout = _Layout()
+    layout = _Layout(stated_dialect(Source("", text), Sink()))
     tokens = tokenize(text)
     for index, token in enumerate(tokens):
         layout.add(token, _next_code(tokens, index))
@@ -84,7 +87,8 @@ def _next_code(tokens: list[Token], index: int) -> Token | None:
 class _Layout:
     """Collects tokens into items and section heads and those into lines."""
 
-    def __init__(self) -> None:
+    def __init__(self, dialect: Dialect) -> None:
+        self._dialect = dialect
         self._lines: list[_Line] = []
         self._item: list[Token] = []  # tokens of the item that is not complete yet
         self._brackets = 0  # open brackets within it
@@ -152,7 +156,7 @@ class _Layout:
         if not self._item:
             return
         blank = self._blank_before(self._item[0])
-        for piece in wrap(self._item, self._level * INDENT):
+        for piece in wrap(self._item, self._level * INDENT, self._dialect):
             self._lines.append(_Line(piece, blank, in_section))
             blank = False
         self._item = []

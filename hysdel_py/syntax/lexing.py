@@ -26,7 +26,7 @@ COMMENT_STARTS = ("#", "%")
 """What starts a comment in other languages."""
 
 # A run of characters that start no token; letters, digits, blanks and the marks of the language end it.
-_FOREIGN_RUN = re.compile(r"[^A-Za-z0-9\s(){}\[\],;=+\-*/^&|~!<>._:#%]+|([._#%])\1*")
+_FOREIGN_RUN = re.compile(r"[^A-Za-z0-9\s(){}\[\],;=+\-*/^&|~!<>._:#%']+|([._#%])\1*")
 _BEFORE_BRANCH = ("THEN", "ELSE")  # keywords behind which a brace opens an IF
 _MAX_FOREIGN = 5000  # tokens of foreign characters that are read, reported or not
 _HINTS = {

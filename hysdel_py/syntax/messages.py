@@ -28,11 +28,12 @@ _OPERATORS = {
     "OR": "|", "AND": "&", "NOT": "~", "IFF": "<->", "IMPLIES": "->", "IMPLIED_BY": "<-", "LE": "<=", "GE": ">=",
     "PLUS": "+", "MINUS": "-", "TIMES": "*", "OVER": "/", "CARET": "^", "LBRACE": "{", "RBRACE": "}", "LPAR": "(",
     "RPAR": ")", "LSQB": "[", "RSQB": "]", "SEMICOLON": ";", "COMMA": ",", "EQUAL": "=",
+    "QUOTE": "'",
 }  # fmt: skip
 _START_OF_EXPRESSION = {"NUMBER", "NAME", "FUNCTION", "LPAR", "LSQB", "MINUS", "NOT", "TRUE", "FALSE"}
 _BINARY = {
     "OR", "AND", "IFF", "IMPLIES", "IMPLIED_BY", "LE", "GE", "LT", "GT", "EQ", "PLUS", "MINUS", "TIMES", "OVER",
-    "CARET",
+    "CARET", "QUOTE",
 }  # fmt: skip
 _BEHIND = {"INDEX": "a name", "MODULE": "'{'"}  # what makes these words keywords
 _ALSO_NAMES = {"FOR", "INDEX", "MODULE"}  # words that are not worth mentioning where a name is expected

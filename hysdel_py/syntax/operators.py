@@ -22,6 +22,7 @@ class Op(Enum):
     LOG = "log"
     SQRT = "sqrt"
     CAST = "(REAL)"
+    TRANSPOSE = "'"
     LE = "<="
     GE = ">="
     LT = "<"

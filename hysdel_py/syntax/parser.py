@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from functools import cache
 from importlib import resources
 from pathlib import Path
@@ -10,6 +11,7 @@ from typing import TYPE_CHECKING
 from hysdel_py.diagnostics.codes import Code
 from hysdel_py.diagnostics.sink import Sink
 from hysdel_py.syntax import ast
+from hysdel_py.syntax.dialect import Dialect, grammar_of, stated_dialect
 from hysdel_py.syntax.source import Source, Span
 
 if TYPE_CHECKING:
@@ -29,13 +31,13 @@ def grammar_text() -> str:
 
 
 @cache
-def _lark() -> Lark:
+def _lark(dialect: Dialect) -> Lark:
     from lark import Lark
 
     from hysdel_py.syntax.tree_to_ast import TreeToAst
 
     return Lark(
-        grammar_text(),
+        grammar_of(dialect, grammar_text()),
         start="file",
         parser="lalr",
         lexer="basic",
@@ -54,16 +56,22 @@ def parse(source: Source, sink: Sink) -> ast.System | None:
         None after an error, which is in the sink. A text without a system gives an empty system and a warning, as
         the original compiler accepts it.
     """
+    before = sink.error_count
     recovered = parse_what_is_sound(source, sink)
-    return None if sink.failed else recovered.system
+    return None if sink.error_count > before else recovered.system
 
 
 def parse_what_is_sound(source: Source, sink: Sink) -> Recovered:
-    """Parse a source text and keep what can be read of a faulty one, for further checks."""
+    """Parse a source text in its dialect and keep what can be read of a faulty one, for further checks."""
     from hysdel_py.syntax.recovery import Recovered, parse_tokens
 
-    recovered = parse_tokens(_lark(), source, sink)
-    if recovered.system is None and not sink.failed:
+    before = sink.error_count
+    dialect = stated_dialect(source, sink)
+    recovered = parse_tokens(_lark(dialect), source, sink)
+    if recovered.system is not None:
+        return replace(recovered, system=replace(recovered.system, dialect=dialect))
+    if sink.error_count == before:
         sink.warning(Code.EMPTY, f"{source.name} holds no SYSTEM: the model is empty")
-        return Recovered(ast.System("", (), (), Span(0, len(source.text))), recovered.lost)
+        empty = ast.System("", (), (), Span(0, len(source.text)), dialect=dialect)
+        return Recovered(empty, recovered.lost)
     return recovered

@@ -17,6 +17,7 @@ from lark.exceptions import UnexpectedToken
 from hysdel_py.diagnostics.sink import Sink
 from hysdel_py.syntax import ast, repairs
 from hysdel_py.syntax.automaton import Automaton
+from hysdel_py.syntax.braces import ClosedBraces
 from hysdel_py.syntax.lexing import BAD, COMMENT_STARTS, END, is_keyword, opens_section, span_of, tokenize
 from hysdel_py.syntax.messages import SyntaxReporter
 from hysdel_py.syntax.source import Source
@@ -99,7 +100,7 @@ class _Parsing:
         self._given_up = 0
         self._brackets = 0  # open ones of the item: a semicolon inside parts rows of a matrix
         self._unbalanced = False  # whether whole sections were skipped, so that the last braces prove nothing
-        self._misaligned = -1  # the first brace whose closing one is indented differently
+        self._closed = ClosedBraces(tokens, source)
 
     def run(self) -> None:
         """Feed all tokens."""
@@ -144,17 +145,7 @@ class _Parsing:
     def _close(self, index: int) -> None:
         closed = self._frames.pop()
         self._frames[-1].depth = -1
-        if index >= 0 and self._misaligned < 0 and not self._aligned(closed.brace, index):
-            self._misaligned = closed.brace
-
-    def _aligned(self, opening: int, closing: int) -> bool:
-        """Whether a closing brace that stands first in its line is indented like the line of its opening one."""
-        line, column = self._source.position(self._tokens[closing].start_pos or 0)
-        text = self._source.line_text(line)
-        if text[: column - 1].strip() or opening < 0:
-            return True
-        other = self._source.line_text(self._source.line_of(span_of(self._tokens[opening])))
-        return column - 1 == len(other) - len(other.lstrip())
+        self._closed.note(closed.brace, index)
 
     # ---- after a mistake ----------------------------------------------------------------------------------------
 
@@ -165,7 +156,8 @@ class _Parsing:
         repair = self._repair(position)
         if repair is not None:
             if not self._fresh and not (self._unbalanced and repair.is_brace):
-                self._reporter.repaired(repair, position, self._opening(position))
+                opening = self._closed.likely_open(position, self._frames[-1].brace)
+                self._reporter.repaired(repair, position, opening)
                 self._stop_at_limit()
             return self._apply(repair, position)
         if not self._fresh and not (self._unbalanced and len(self._frames) == 1):
@@ -207,11 +199,6 @@ class _Parsing:
             return 0
         types = repairs.window(self._tokens, after)
         return after if self._automaton.accepted(types) == len(types) else 0
-
-    def _opening(self, position: int) -> int:
-        """Index of the brace that is most likely not closed."""
-        at_end = self._tokens[position].type == END
-        return self._misaligned if at_end and self._misaligned >= 0 else self._frames[-1].brace
 
     def _apply(self, repair: repairs.Repair, position: int) -> int:
         here = self._tokens[position]

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from bisect import bisect_right
+from bisect import bisect_left, bisect_right
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
@@ -99,9 +99,13 @@ class Source:
             return tuple(found)
         return tuple(Span(*match.span()) for match in COMMENT.finditer(self.text))
 
+    @cached_property
+    def _comment_starts(self) -> list[int]:
+        return [span.start for span in self.comments]
+
     def comment_after(self, offset: int) -> str:
         """Text of the first comment that starts in the rest of the line of `offset` with only ``,;`` before it."""
-        index = bisect_right([span.start for span in self.comments], offset - 1) if self.comments else 0
+        index = bisect_left(self._comment_starts, offset)
         if index >= len(self.comments):
             return ""
         span = self.comments[index]

@@ -6,9 +6,10 @@ whether a space precedes it and how good a place for a line break there is. The 
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
+from hysdel_py.syntax.dialect import Dialect
 from hysdel_py.syntax.tokens import Token, TokenKind
 
 __all__ = ["LAST_RESORT", "Atom", "atoms_of", "ends_line", "is_choice_brace", "stands_alone"]
@@ -21,6 +22,9 @@ _RANK = {
     "|": 2, "||": 2, "->": 3, "<-": 3, "<->": 3, "&": 4, "&&": 4, "<=": 5, ">=": 5, "<": 5, ">": 5, "==": 5, "+": 6,
     "-": 6, "*": 17, "/": 17,
 }  # fmt: skip
+_ARROWS = ("->", "<-", "<->")
+_RANK_OF_3 = _RANK | {"&": 3, "&&": 3} | dict.fromkeys(_ARROWS, 4)
+_RANK_OF_MUST_OF_3 = _RANK | {"|": 3, "||": 3} | dict.fromkeys(_ARROWS, 2)
 # A factor is left on its line if the sum in the parentheses behind it can be broken: hence 17 and not 7.
 _LEVELS_PER_DEPTH = 10
 
@@ -86,8 +90,9 @@ def stands_alone(comment: Token, before: Sequence[Token]) -> bool:
     return before[-1].kind is TokenKind.SEPARATOR and before[-1].newlines > 0 and not documented
 
 
-def atoms_of(tokens: Sequence[Token]) -> list[Atom]:
+def atoms_of(tokens: Sequence[Token], dialect: Dialect) -> list[Atom]:
     """Atoms of the tokens of one item in their order."""
+    ranks = _ranks(tokens, dialect)
     atoms: list[Atom] = []
     code: Token | None = None  # the last token that is no comment
     unary = False  # whether that is an operator of one operand
@@ -97,7 +102,7 @@ def atoms_of(tokens: Sequence[Token]) -> list[Atom]:
         depth -= token.kind is TokenKind.CLOSE
         sign = token.text in _UNARY and _is_sign(code)
         space = _spaced(before, code, token, unary, sign)
-        level = None if sign else _break_level(before, code, token, depth)
+        level = None if sign else _break_level(before, code, token, depth, ranks[depth > 0])
         forced = _forced(tokens[max(index - 2, 0) : index], token)
         atoms.append(Atom(token, space, depth, level, forced))
         depth += token.kind is TokenKind.OPEN
@@ -122,7 +127,7 @@ def _spaced(before: Token | None, code: Token | None, token: Token, unary: bool,
         return False
     if before.is_comment or token.is_comment:
         return True
-    if token.kind is TokenKind.CLOSE or code.kind is TokenKind.OPEN or unary:
+    if token.kind in (TokenKind.CLOSE, TokenKind.POSTFIX) or code.kind is TokenKind.OPEN or unary:
         return False
     if TokenKind.OTHER in (code.kind, token.kind):
         return token.start > code.end
@@ -136,7 +141,17 @@ def _takes_argument(token: Token) -> bool:
     return token.kind in (TokenKind.NAME, TokenKind.CLOSE, TokenKind.NUMBER)
 
 
-def _break_level(before: Token | None, code: Token | None, token: Token, depth: int) -> int | None:
+def _ranks(tokens: Sequence[Token], dialect: Dialect) -> tuple[Mapping[str, int], Mapping[str, int]]:
+    """Ranks of operators outside and inside of brackets."""
+    if dialect is Dialect.HYSDEL_2:
+        return _RANK, _RANK
+    defines = any(token.text == "=" for token in tokens)  # what defines nothing stands in MUST
+    return (_RANK_OF_3 if defines else _RANK_OF_MUST_OF_3), _RANK_OF_3
+
+
+def _break_level(
+    before: Token | None, code: Token | None, token: Token, depth: int, ranks: Mapping[str, int]
+) -> int | None:
     if before is None or code is None or token.is_comment:
         return None
     base = depth * _LEVELS_PER_DEPTH
@@ -146,7 +161,7 @@ def _break_level(before: Token | None, code: Token | None, token: Token, depth: 
         return base
     if code.text == "=" and token.kind is not TokenKind.OPEN:
         return LAST_RESORT
-    rank = _RANK.get(token.text)
+    rank = ranks.get(token.text)
     return None if rank is None else base + rank
 
 

@@ -1,4 +1,4 @@
-"""Looks at the outside of an expression: parentheses around it, conjunctions at its top."""
+"""Looks at the outside of expressions: where they stand, parentheses around them, conjunctions at their top."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from collections.abc import Iterator
 from hysdel_py.syntax import ast
 from hysdel_py.syntax.operators import Op
 
-__all__ = ["conjuncts", "names_in", "ungrouped"]
+__all__ = ["conjuncts", "expressions_in", "names_in", "ungrouped"]
 
 
 def ungrouped(expression: ast.Expression) -> ast.Expression:
@@ -38,3 +38,38 @@ def names_in(expression: ast.Expression) -> Iterator[str]:
         if isinstance(part, ast.Name | ast.Indexed):
             yield part.name
         pending.extend(ast.children(part))
+
+
+def expressions_in(system: ast.System) -> Iterator[ast.Expression]:
+    """All whole expressions of a file: of declarations and of items, also in loops."""
+    for declaration in (d for section in system.declarations for d in section.declarations):
+        yield from declaration.size
+        if declaration.value is not None:
+            yield declaration.value
+        if declaration.interval is not None:
+            interval = declaration.interval
+            yield from (end for pair in ((interval.low, interval.high), *interval.further) for end in pair)
+    pending: list[ast.Item] = [item for section in system.sections for item in section.items]
+    while pending:
+        item = pending.pop()
+        yield from _of_item(item)
+        if isinstance(item, ast.Loop):
+            pending.extend(item.items)
+
+
+def _of_item(item: ast.Item) -> tuple[ast.Expression, ...]:
+    match item:
+        case ast.Loop(low=low, step=step, high=high):
+            return (low, high) if step is None else (low, step, high)
+        case ast.Requirement(value=value):
+            return (value,)
+        case ast.Equation(value=value, triple=triple):
+            return (value, *_of_triple(triple))
+        case ast.Choice():
+            otherwise = () if item.otherwise is None else (item.otherwise,)
+            triples = (*_of_triple(item.then_triple), *_of_triple(item.otherwise_triple))
+            return (item.condition, item.then, *otherwise, *triples)
+
+
+def _of_triple(triple: ast.Triple | None) -> tuple[ast.Expression, ...]:
+    return () if triple is None else (triple.low, triple.high, triple.epsilon)

@@ -38,6 +38,7 @@ class TokenKind(Enum):
     NAME = "name"
     KEYWORD = "keyword"
     OPERATOR = "operator"
+    POSTFIX = "postfix"
     OPEN = "open"
     CLOSE = "close"
     SEPARATOR = "separator"
@@ -52,6 +53,7 @@ _PATTERN = re.compile(
       | (?P<number>(?:\d+(?:\.\d*)?|\.\d+)(?:[eE][+-]?\d+)?)
       | (?P<name>[A-Za-z][A-Za-z0-9_]*)
       | (?P<operator><->|<-|->|<=|>=|==|&&|\|\||[-+*/^&|~!<>=:.])
+      | (?P<postfix>')
       | (?P<open>[({\[]) | (?P<close>[)}\]])
       | (?P<separator>[,;])
       | (?P<other>.)""",

@@ -110,8 +110,9 @@ class TreeToAst(Transformer[Token, Any]):
 
     def parameter(self, parts: list[Any]) -> _Parts:
         size = next((part.fields for part in parts if isinstance(part, _Parts)), ())
-        value = next((part for part in _nodes(parts) if not isinstance(part, _Parts)), None)
-        return _Parts((str(parts[0]), None, value, _around(parts), _span(parts[0]), size), _around(parts))
+        interval = next((part for part in parts if isinstance(part, ast.Interval)), None)
+        value = next((part for part in _nodes(parts) if not isinstance(part, _Parts | ast.Interval)), None)
+        return _Parts((str(parts[0]), interval, value, _around(parts), _span(parts[0]), size), _around(parts))
 
     def interval(self, parts: list[Any]) -> ast.Interval:
         (low, high), *further = (pair.fields for pair in _nodes(parts))
@@ -144,8 +145,10 @@ class TreeToAst(Transformer[Token, Any]):
         return ast.Requirement(parts[0], _around(parts))
 
     def loop(self, parts: list[Any]) -> ast.Loop:
-        low, high, *items = _nodes(parts)
-        return ast.Loop(_name(parts[2]), low, high, tuple(items), _around(parts))
+        closing = next(k for k, part in enumerate(parts) if isinstance(part, Token) and part.type == "RPAR")
+        low, *step, high = _nodes(parts[:closing])
+        items = tuple(_nodes(parts[closing:]))
+        return ast.Loop(_name(parts[2]), low, step[0] if step else None, high, items, _around(parts))
 
     def triple(self, parts: list[Any]) -> ast.Triple:
         low, high, epsilon = _nodes(parts)
@@ -182,8 +185,14 @@ class TreeToAst(Transformer[Token, Any]):
         return ast.Matrix(tuple(row.fields for row in _nodes(parts)), _around(parts))
 
     def range(self, parts: list[Any]) -> ast.Range:
-        low, high = _nodes(parts)
-        return ast.Range(low, high, _around(parts))
+        low, *step, high = _nodes(parts)
+        return ast.Range(low, step[0] if step else None, high, _around(parts))
+
+    def all(self, parts: list[Any]) -> ast.All:
+        return ast.All(_around(parts))
+
+    def transpose(self, parts: list[Any]) -> ast.Apply:
+        return ast.Apply(Op.TRANSPOSE, (parts[0],), _around(parts))
 
     def truth(self, parts: list[Any]) -> ast.Truth:
         return ast.Truth(str(parts[0]) == "TRUE", _span(parts[0]))

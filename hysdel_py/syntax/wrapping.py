@@ -10,6 +10,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 
+from hysdel_py.syntax.dialect import Dialect
 from hysdel_py.syntax.spacing import LAST_RESORT, Atom, atoms_of
 from hysdel_py.syntax.tokens import TYPES, Token, TokenKind
 
@@ -51,9 +52,9 @@ class _Frame:
         return replace(self, base=column, base_depth=depth)
 
 
-def wrap(tokens: Sequence[Token], indent: int) -> list[Piece]:
+def wrap(tokens: Sequence[Token], indent: int, dialect: Dialect = Dialect.HYSDEL_2) -> list[Piece]:
     """Lay out the tokens of one item whose first token stands at column `indent`."""
-    return list(_Wrapper(_with_clauses_broken(atoms_of(tokens), indent), indent).pieces())
+    return list(_Wrapper(_with_clauses_broken(atoms_of(tokens, dialect), indent), indent).pieces())
 
 
 def _with_clauses_broken(atoms: list[Atom], indent: int) -> list[Atom]:

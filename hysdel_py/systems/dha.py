@@ -12,6 +12,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
 from graphlib import CycleError, TopologicalSorter
+from math import inf
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -60,6 +61,12 @@ class Switch:
     then_limits: Interval | None
     otherwise_limits: Interval | None
     origin: Origin
+
+    @property
+    def branches(self) -> tuple[tuple[Affine, Interval | None], tuple[Affine, Interval | None]]:
+        """Form and stated range where the variable of the condition is 1, and those where it is 0."""
+        pair = ((self.then, self.then_limits), (self.otherwise, self.otherwise_limits))
+        return pair if self.condition.positive else (pair[1], pair[0])
 
     def branch(self, values: Mapping[str, float]) -> Affine:
         """The branch that is active."""
@@ -120,6 +127,9 @@ class Dha:
         Items in file order, then the generated definitions in the order of their creation.
     source : str
         Name of the source file.
+    default_bound : float
+        What bounds, in absolute value, a variable whose range the MLD form needs and nothing gives; infinite for none.
+        The step does not look at it.
     """
 
     name: str
@@ -131,6 +141,7 @@ class Dha:
     items: tuple[DhaItem, ...]
     source: str = ""
     tolerances: Tolerances = field(default=DEFAULT_TOLERANCES)
+    default_bound: float = inf
 
     @cached_property
     def definitions(self) -> Mapping[str, Definition]:

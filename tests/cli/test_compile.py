@@ -94,3 +94,18 @@ def test_files_for_other_programs(hysdel, tmp_path):
     namespace = {}
     exec((tmp_path / "tank_step.py").read_text(), namespace)
     assert namespace["step"]([1, 0], [0.5, 1])[0] == [1.5, 1.0]
+
+
+def test_rows_and_constants_by_option(hysdel, tmp_path):
+    text = """SYSTEM s { INTERFACE { STATE { REAL x [-1, 9]; BOOL b; } } IMPLEMENTATION { AUX { REAL z; REAL w; }
+      DA { z = {IF (x <= 4) & b THEN x ELSE 0}; w = {IF (x <= 4) & b THEN 1 ELSE x}; } MUST { x <= 8; x <= 9; } } }"""
+    (tmp_path / "s.hys").write_text(text, encoding="utf-8")
+
+    def sizes(*options):
+        data = hysdel("compile", tmp_path / "s.hys", "--json", *options).json
+        return len(data["variables"]["d"]), len(data["E5"])
+
+    d, rows = sizes()
+    assert sizes("--big-m", "interval") == (d, rows)
+    assert sizes("--share")[0] == d // 2
+    assert sizes("--compact")[1] < rows

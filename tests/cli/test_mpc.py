@@ -85,7 +85,8 @@ def test_held_input_is_valid_json(hysdel, tmp_path):
 
 
 def test_node_limit_is_told(hysdel):
-    shown = hysdel("mpc", "two_tanks", "--x0", "0.1,0.4", "--weight", "level2=1", "--node-limit", "1", "--steps", "1")
+    shown = hysdel("mpc", "two_tanks", "--x0", "0.1,0.4", "--weight", "level1=1,level2=100",
+                   "--ref", "level1=0.2,level2=0.3", "--node-limit", "1", "--steps", "1")  # fmt: skip
     assert shown.status == 0
     assert "the node limit ended the search" in shown.out
 

@@ -43,7 +43,7 @@ def diagnostics_of(path):
     try:
         typed, values, found = compiler.analyse(path, {})
         dha, lowered = compiler.lower_to_dha(typed, values, constants)
-        _, last = compiler.lower_to_mld(typed, dha, BigM.INTERVAL)
+        _, last = compiler.lower_to_mld(typed, dha, BigM.LP)
     except hys.CompileError as error:
         return error.diagnostics
     return (*found, *lowered, *last)

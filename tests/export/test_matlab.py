@@ -106,7 +106,7 @@ def test_parameters_without_value_stay_open():
     compiled = example(hys.load)
     assert compiled.mld.parameters == ("k",)
     for k in (1.5, -2.0, 0.0):
-        numeric = hys.load(EXAMPLE, k=k).mld
+        numeric = hys.to_mld(hys.load(EXAMPLE, k=k), big_m="interval")
         bound = compiled.mld.bind({"k": k})
         data = read_matlab(matlab_text(compiled, PLAIN), {"k": k})
         for name in MATRICES:

@@ -5,9 +5,10 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from scipy.sparse import csr_array
 
 import hysdel_py as hys
-from hysdel_py.export.matrices import MATRICES, SCHEMA, mld_to_dict, write_json, write_npz
+from hysdel_py.export.matrices import MATRICES, SCHEMA, mld_to_dict, nonzeros, row_text, write_json, write_npz
 from hysdel_py.shipped import shipped_models
 
 
@@ -29,6 +30,25 @@ def test_json_holds_every_matrix_with_its_shape(mld, tmp_path):
     for name in MATRICES:
         expected = dense(getattr(mld, name))
         assert np.array(data[name]).reshape(expected.shape) == pytest.approx(expected, abs=0)
+
+
+def test_json_text_is_the_plain_data(mld, tmp_path):
+    path = tmp_path / "model.json"
+    write_json(mld, path)
+    text = path.read_text(encoding="utf-8")
+    assert json.loads(text) == mld_to_dict(mld)
+    assert "\n[" + ", ".join(map(json.dumps, mld_to_dict(mld)["E3"][0])) + "],\n" in text
+
+
+def test_entries_that_are_not_zero():
+    matrix = np.array([[0.0, -0.0, 2.5], [np.nan, 0.0, 0.0]])
+    for form in (matrix, csr_array(matrix)):
+        first, second = nonzeros(form)
+        assert first == [(2, 2.5)]
+        assert [column for column, _ in second] == [0]
+    unordered = csr_array((np.array([1.0, 0.0, 3.0]), np.array([2, 1, 0]), np.array([0, 3])), shape=(1, 4))
+    assert list(nonzeros(unordered)) == [[(0, 3.0), (2, 1.0)]]
+    assert row_text([(1, 7.0)], 3, "0 ", "{:g} ".format) == "0 7 0 "
 
 
 def test_json_holds_names_ranges_and_origins(mld):

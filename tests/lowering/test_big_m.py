@@ -41,12 +41,13 @@ def test_range_of_an_auxiliary_is_the_hull_of_its_branches_and_holds_in_simulati
             DA { w = {IF b THEN v ELSE -x/2}; }
             CONTINUOUS { x = w; } AUTOMATA { b = ~b; } } }"""
     )
-    ranges = {v.name: (v.low, v.high) for v in model.mld.z}
+    mld = hys.to_mld(model, big_m="interval")
+    ranges = {v.name: (v.low, v.high) for v in mld.z}
     assert ranges == {"v": (-5, 8), "w": (-5, 8)}
     generator = np.random.default_rng(0)
     for _ in range(200):
         z = model.dha.step([generator.uniform(-2, 3), generator.integers(2)])[3]
-        assert all(v.low <= value <= v.high for v, value in zip(model.mld.z, z, strict=True))
+        assert all(v.low <= value <= v.high for v, value in zip(mld.z, z, strict=True))
 
 
 def test_declared_range_of_an_auxiliary_wins():
@@ -55,8 +56,9 @@ def test_declared_range_of_an_auxiliary_wins():
           IMPLEMENTATION { AUX { REAL z [-5, 5]; BOOL d; } LINEAR { z = x; } AD { d = z <= 0; }
             CONTINUOUS { x = (REAL d); } } }"""
     )
-    assert (model.mld.z[0].low, model.mld.z[0].high) == (-5, 5)
-    assert model.mld.E2.toarray()[2:, 0] == pytest.approx([-5 - 1e-6, 5])
+    mld = hys.to_mld(model, big_m="interval")
+    assert (mld.z[0].low, mld.z[0].high) == (-5, 5)
+    assert mld.E2.toarray()[2:, 0] == pytest.approx([-5 - 1e-6, 5])
 
 
 def test_state_without_range_takes_that_of_its_update():

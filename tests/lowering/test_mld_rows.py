@@ -12,7 +12,7 @@ def load(implementation, outputs="REAL y; BOOL w;"):
 
 
 def rows(implementation, **options):
-    return list(inequalities(hys.to_mld(load(implementation), **options)))
+    return list(inequalities(hys.to_mld(load(implementation), big_m="interval", **options)))
 
 
 @pytest.mark.parametrize(

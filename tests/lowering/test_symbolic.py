@@ -60,7 +60,7 @@ def test_shipped_models(name, constants):
     symbolic = hys.to_symbolic_mld(model, every=True, constants=constants)
     assert symbolic.parameters
     values = {name: model.parameters[name] for name in symbolic.parameters}
-    assert_same(symbolic.bind(values), hys.to_mld(model, constants=constants))
+    assert_same(symbolic.bind(values), hys.to_mld(model, big_m="interval", constants=constants))
 
 
 def test_comparison_of_parameters_alone():
@@ -69,7 +69,7 @@ def test_comparison_of_parameters_alone():
         "IMPLEMENTATION {{ CONTINUOUS {{ x = x; }} OUTPUT {{ w = (0.5 <= a) & (x <= a); }} }} }}"
     )
     bound = hys.to_symbolic_mld(hys.load(text.format("REAL a;"))).bind({"a": 0.75})
-    numeric = hys.load(text.format("REAL a = 0.75;")).mld
+    numeric = hys.to_mld(hys.load(text.format("REAL a = 0.75;")), big_m="interval")
     assert len(bound.d) == len(numeric.d) + 1
     assert_same_steps(bound, numeric)
 
@@ -78,7 +78,7 @@ def test_comparison_of_parameters_alone():
 @given(models(), st.sampled_from([0.75, -0.5, 0.0, 2.0, -1.0]))
 def test_random_models(text, a):
     model = hys.load(text.replace("REAL a = 0.75", "REAL a"))
-    numeric = hys.load(text, a=a).mld
+    numeric = hys.to_mld(hys.load(text, a=a), big_m="interval")
     symbolic = hys.to_symbolic_mld(model)
     used = {"a": a} if symbolic.parameters else {}
     bound = symbolic.bind(used)
@@ -101,13 +101,13 @@ def test_open_ranges_triples_and_definitions(a):
         parameters="REAL a, b = 2*a - 1;",
         bounds="[a, -a]",
     )
-    assert_same(hys.to_symbolic_mld(hys.load(text)).bind({"a": a}), hys.load(text, a=a).mld)
+    assert_same(hys.to_symbolic_mld(hys.load(text)).bind({"a": a}), hys.to_mld(hys.load(text, a=a), big_m="interval"))
 
 
 def test_an_open_epsilon():
     text = system("AD { d = x <= 0.5; } CONTINUOUS { x = (REAL d); }", parameters="REAL MLD_epsilon;", aux="BOOL d;")
     bound = hys.to_symbolic_mld(hys.load(text)).bind({"MLD_epsilon": 1e-3})
-    assert_same(bound, hys.load(text, MLD_epsilon=1e-3).mld)
+    assert_same(bound, hys.to_mld(hys.load(text, MLD_epsilon=1e-3), big_m="interval"))
 
 
 def test_wrong_bindings_are_refused():

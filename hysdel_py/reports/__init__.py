@@ -1,0 +1,1 @@
+"""Answers of the analyses in the words of the source."""

@@ -1,0 +1,99 @@
+"""The dialects of the language, which differ in how tight the logic operators bind.
+
+In HYSDEL 2 ``|`` binds weakest, then the arrows, then ``&``; in HYSDEL 3 ``|``, then ``&``, then the arrows, except
+that an arrow at the top of an item of MUST parts the whole item. A file says which one it is written in by a comment in
+front of it, ``/* dialect: hysdel 3 */``, which other compilers pass over.
+"""
+
+from __future__ import annotations
+
+import re
+from enum import Enum
+
+from hysdel_py.diagnostics.codes import Code
+from hysdel_py.diagnostics.diagnostic import Label
+from hysdel_py.diagnostics.sink import Sink
+from hysdel_py.syntax.source import Source, Span
+
+__all__ = ["Dialect", "grammar_of", "stated_dialect"]
+
+
+class Dialect(Enum):
+    """How a file is to be read; the value is how its comment calls it."""
+
+    HYSDEL_2 = "hysdel 2"
+    HYSDEL_3 = "hysdel 3"
+
+
+_STATED = re.compile(r"(?:/\*|//)\s*dialect\s*:(.*?)(?:\*/)?", re.DOTALL | re.IGNORECASE)
+_KNOWN = {dialect.value: dialect for dialect in Dialect}
+_ARROWS = "(IMPLIES | IMPLIED_BY | IFF)"
+_LADDER_OF_3 = {
+    "?disjunction": "conjunction | disjunction OR conjunction -> binary",
+    "?conjunction": "implication | conjunction AND implication -> binary",
+    "?implication": f"negation | implication {_ARROWS} negation -> binary",
+    "requirement": "parted",
+}
+_MUST_OF_3 = f"""
+?parted: disjunct | parted {_ARROWS} disjunct -> binary
+?disjunct: conjunct | disjunct OR conjunct -> binary
+?conjunct: negation | conjunct AND negation -> binary
+"""
+
+
+def grammar_of(dialect: Dialect, grammar: str) -> str:
+    """The grammar with the ladder of logic operators of a dialect; `grammar` is that of HYSDEL 2."""
+    if dialect is Dialect.HYSDEL_2:
+        return grammar
+    for rule, body in _LADDER_OF_3.items():
+        grammar, count = re.subn(rf"^{re.escape(rule)}:.*$", f"{rule}: {body}", grammar, flags=re.MULTILINE)
+        assert count == 1, f"the grammar has {count} rules {rule}"
+    return grammar + _MUST_OF_3
+
+
+def stated_dialect(source: Source, sink: Sink) -> Dialect:
+    """The dialect that the comments in front of a text state, HYSDEL 2 if they state none."""
+    first: tuple[Dialect, Span] | None = None
+    for span, value in _statements(source):
+        dialect = _KNOWN.get(value)
+        if not _is_in_front(source, span):
+            _refuse_late(dialect, span, sink)
+        elif dialect is None:
+            known = " and ".join(_KNOWN)
+            sink.error(
+                Code.DIALECT, f"there is no dialect {value or '(empty)'}: the known ones are {known}", span,
+                help="write /* dialect: hysdel 3 */, or leave the comment out for hysdel 2",
+            )  # fmt: skip
+        elif first is None:
+            first = (dialect, span)
+        elif first[0] is not dialect:
+            labels = (Label(first[1], "stated here"),)
+            sink.error(Code.DIALECT, f"the dialect is {first[0].value} already", span, labels=labels)
+    return first[0] if first else Dialect.HYSDEL_2
+
+
+def _statements(source: Source) -> list[tuple[Span, str]]:
+    """Comments that state a dialect and what they say, small and without surplus blanks."""
+    matches = ((span, _STATED.fullmatch(source.text[span.start : span.end])) for span in source.comments)
+    return [(span, " ".join(match[1].lower().split())) for span, match in matches if match]
+
+
+def _is_in_front(source: Source, span: Span) -> bool:
+    """Whether nothing but comments stands before a place."""
+    position = 0
+    for comment in source.comments:
+        if source.text[position : comment.start].strip():
+            return False
+        if comment == span:
+            return True
+        position = comment.end
+    return False
+
+
+def _refuse_late(dialect: Dialect | None, span: Span, sink: Sink) -> None:
+    """What states a known dialect is meant to; any other text behind the first word is a comment like others."""
+    if dialect is not None:
+        sink.error(
+            Code.DIALECT, "the dialect has to be stated in front of SYSTEM", span,
+            help="move the comment to the beginning of the file",
+        )  # fmt: skip
