@@ -31,6 +31,7 @@ COMMANDS = (
     "simulate",
     "mpc",
     "explain_infeasible",
+    "solve",
     "demo",
     "fmt",
     "stubs",

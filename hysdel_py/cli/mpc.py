@@ -25,6 +25,7 @@ from hysdel_py.control.hybrid_mpc import HybridMpc
 from hysdel_py.control.limits import Limits
 from hysdel_py.errors import ArgumentError
 from hysdel_py.model import Model
+from hysdel_py.optimize.node_log import NodeLog
 from hysdel_py.systems.mld import Mld
 
 __all__ = ["add_parser", "limits_of"]
@@ -48,7 +49,7 @@ def add_parser(commands: argparse._SubParsersAction[argparse.ArgumentParser]) ->
     parser = commands.add_parser(
         "mpc",
         help="control a model in a loop by hybrid model predictive control",
-        description="Run a hybrid model predictive controller (2-norm) on its own model.",
+        description="Run a hybrid model predictive controller on its own model.",
         epilog=_EPILOG,
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )
@@ -62,6 +63,8 @@ def add_parser(commands: argparse._SubParsersAction[argparse.ArgumentParser]) ->
         ("--ref", "NAME=VALUE", "reference of a weighted signal"),
         ("--limit", "NAME=LOW:HIGH", "limit of an output, state or input; an end may be left out"),
         ("--soft", "NAME[=PRICE]", "allow a limit to be exceeded at a price (default 1e4)"),
+        ("--weight-change", "NAME=VALUE", "weight of the change of an input from step to step"),
+        ("--limit-change", "NAME=LOW:HIGH", "limit of the change of an input from step to step"),
     ):
         parser.add_argument(option, metavar=metavar, action="append", default=[], help=f"{text}; may be repeated")
     parser.add_argument("--backend", default="piqp", help="solver of the quadratic programs: piqp (default) or osqp")
@@ -71,23 +74,52 @@ def add_parser(commands: argparse._SubParsersAction[argparse.ArgumentParser]) ->
         "--on-failure", choices=["stop", "hold"], default="stop",
         help="when there is no plan: end the loop (default), or apply the last input again",
     )  # fmt: skip
+    _add_shape(parser)
+    _add_records(parser)
     add_files(parser)
     add_output(parser, "the trajectory")
     parser.set_defaults(run=run)
+
+
+def _add_shape(parser: argparse.ArgumentParser) -> None:
+    """Add what a plan may look like, and what happens without one."""
+    parser.add_argument("--norm", default="2", choices=["1", "2", "inf"], help="norm of the cost (default 2)")
+    parser.add_argument("--last-input", metavar="INPUT", default="", help="input before the first step, for changes")
+    parser.add_argument("--blocking", metavar="N,N,...", help="lengths of the blocks of equal inputs, as in 1,1,2,4")
+    parser.add_argument("--control-horizon", type=int, metavar="N", help="inputs that are decided; the last is held")
+    parser.add_argument("--binary-horizon", type=int, metavar="N", help="steps whose switches are decided exactly")
+    parser.add_argument(
+        "--fallback", choices=["soft", "last_plan"],
+        help="input when there is no plan: from softened limits, or the next one of the last plan",
+    )  # fmt: skip
+
+
+def _add_records(parser: argparse.ArgumentParser) -> None:
+    """Add what can be written down about the answers."""
+    parser.add_argument("--dump-problem", metavar="FILE", help="write the program of the first step, for hysdel solve")
+    parser.add_argument("--node-log", metavar="FILE", help="write every node of every search as CSV")
+    parser.add_argument("--why", action="store_true", help="say on the error stream what holds the first plan")
 
 
 def run(options: argparse.Namespace) -> int:
     """Run the command; the exit status is 1 if the loop ended early."""
     check_files(options)
     model = load_model(options)
-    controller = _controller(model, options)
+    log = NodeLog()
+    controller = _controller(model, options, log)
     references = _references(options)
     x0 = given_vector(options.x0, model.mld.x, "--x0", "state")
+    last = given_vector(options.last_input, model.mld.u, "--last-input", "input") if _needs_last(options) else None
+    _record_first(controller, options, x0, references, last)
+    log.entries.clear()
     progress = progress_line(not options.json)
     trajectory = closed_loop(
-        model, controller, x0, options.steps, references, on_failure=options.on_failure, progress=progress
-    )
+        model, controller, x0, options.steps, references, on_failure=options.on_failure, progress=progress,
+        last_input=last,
+    )  # fmt: skip
     clear_progress(progress)
+    if options.node_log:
+        log.write(options.node_log)
     emit_trajectory(trajectory, model, options)
     if trajectory.steps == options.steps:
         return 0
@@ -101,18 +133,47 @@ def _ended_early(steps: int, options: argparse.Namespace) -> str:
     return f"hysdel mpc: the loop ended after {steps} of {options.steps} steps{'; ' * bool(hints)}{', '.join(hints)}"
 
 
-def _controller(model: Model, options: argparse.Namespace) -> HybridMpc:
+def _needs_last(options: argparse.Namespace) -> bool:
+    return bool(options.weight_change or options.limit_change or options.last_input)
+
+
+def _record_first(controller: HybridMpc, options: argparse.Namespace, x0: Any, references: Any, last: Any) -> None:
+    """Write the program of the first step, and say what holds its plan."""
+    if options.dump_problem:
+        controller.dump_problem(options.dump_problem, x0, references, last_input=last)
+    if options.why:
+        move = controller.solve(x0, references, last_input=last)
+        explained = move.case is not None and move.case.v is not None
+        print(controller.why(move).describe() if explained else move.message, file=sys.stderr)
+        controller.reset()
+
+
+def _blocking(options: argparse.Namespace) -> list[int] | None:
+    if options.blocking is None:
+        return None
+    lengths = [number(part, "--blocking") for part in options.blocking.split(",")]
+    if any(length != round(length) for length in lengths):
+        raise ArgumentError(f"--blocking is '{options.blocking}': whole numbers were expected, as in 1,1,2,4")
+    return [round(length) for length in lengths]
+
+
+def _controller(model: Model, options: argparse.Namespace, log: NodeLog) -> HybridMpc:
     weights = assignments(options.weight, "--weight")
     if not weights:
         raise ArgumentError(f"--weight is missing: say what to control, as in --weight {_example(model.mld)}=1")
     return HybridMpc(
         model,
         options.horizon,
-        _cost(model.mld, weights, assignments(options.terminal, "--terminal")),
+        _cost(model.mld, weights, options),
         _limits(model.mld, options),
         backend=options.backend,
         time_limit=options.time_limit,
         node_limit=options.node_limit,
+        progress=log if options.node_log else None,
+        blocking=_blocking(options),
+        control_horizon=options.control_horizon,
+        binary_horizon=options.binary_horizon,
+        fallback=options.fallback,
     )
 
 
@@ -128,13 +189,18 @@ def _group_of(mld: Mld, name: str, keys: str, option: str) -> str:
     raise ArgumentError(f"{option} {name}: there is no such signal; there are the {'; '.join(known)}")
 
 
-def _cost(mld: Mld, weights: dict[str, float], terminal: dict[str, float]) -> Cost:
+def _cost(mld: Mld, weights: dict[str, float], options: argparse.Namespace) -> Cost:
+    terminal = assignments(options.terminal, "--terminal")
+    changes = assignments(options.weight_change, "--weight-change")
     groups: dict[str, dict[str, float]] = {}
     for name, value in weights.items():
         groups.setdefault(_group_of(mld, name, "yxuzd", "--weight"), {})[name] = value
     for name in terminal:
         _group_of(mld, name, "x", "--terminal")
-    return Cost(**groups, **({"terminal": terminal} if terminal else {}))  # type: ignore[arg-type]
+    for name in changes:
+        _group_of(mld, name, "u", "--weight-change")
+    last: dict[str, Any] = {"terminal": terminal} if terminal else {}
+    return Cost(**groups, **last, du=changes, norm=options.norm)
 
 
 def _references(options: argparse.Namespace) -> dict[str, float] | None:
@@ -152,14 +218,15 @@ def _references(options: argparse.Namespace) -> dict[str, float] | None:
 def limits_of(mld: Mld, texts: Sequence[str]) -> dict[str, Any]:
     """The limits of ``NAME=LOW:HIGH`` texts by vector."""
     groups: dict[str, Any] = {"x": {}, "y": {}, "u": {}}
-    for name, value in parts(texts, "--limit", "NAME=LOW:HIGH"):
-        if value is None:
-            raise ArgumentError(f"--limit {name}: NAME=LOW:HIGH was expected, as in --limit {name}=0:1")
-        groups[_group_of(mld, name, "yxu", "--limit")][name] = span(value, f"--limit {name}")
+    for name, ends in _spans(texts, "--limit").items():
+        groups[_group_of(mld, name, "yxu", "--limit")][name] = ends
     return groups
 
 
 def _limits(mld: Mld, options: argparse.Namespace) -> Limits:
+    changes = _spans(options.limit_change, "--limit-change")
+    for name in changes:
+        _group_of(mld, name, "u", "--limit-change")
     groups = limits_of(mld, options.limit)
     softened = dict(parts(options.soft, "--soft", "NAME or NAME=PRICE"))
     for name in softened:
@@ -168,4 +235,13 @@ def _limits(mld: Mld, options: argparse.Namespace) -> Limits:
             raise ArgumentError(f"--soft {name}: it has no --limit as a state or output; those with one: {known}")
     prices = {name: number(price, f"--soft {name}") for name, price in softened.items() if price is not None}
     priced: dict[str, Any] = {"rho": prices} if prices else {}
-    return Limits(**groups, soft=tuple(softened) if softened else False, **priced)
+    return Limits(**groups, du=changes, soft=tuple(softened) if softened else False, **priced)
+
+
+def _spans(texts: Sequence[str], option: str) -> dict[str, tuple[float, float]]:
+    found = {}
+    for name, value in parts(texts, option, "NAME=LOW:HIGH"):
+        if value is None:
+            raise ArgumentError(f"{option} {name}: NAME=LOW:HIGH was expected, as in {option} {name}=0:1")
+        found[name] = span(value, f"{option} {name}")
+    return found

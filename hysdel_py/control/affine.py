@@ -1,4 +1,4 @@
-"""Vectors that depend affinely on the decision variables and on the measured state."""
+"""Vectors that depend affinely on the decision variables and on the parameters of a plan."""
 
 from __future__ import annotations
 
@@ -18,14 +18,14 @@ Matrix = NDArray[np.float64]
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Affine:
-    """The vector ``V v + X x0 + c``.
+    """The vector ``V v + X p + c`` with the parameters p, the measured state and the input applied last.
 
     Attributes
     ----------
     V : sparse array of shape (m, n)
         Dependence on the decision variables.
-    X : array of shape (m, nx)
-        Dependence on the measured state.
+    X : array of shape (m, number of parameters)
+        Dependence on the parameters.
     c : array of shape (m,)
     """
 
@@ -41,6 +41,10 @@ class Affine:
         """Difference of two vectors of the same length."""
         return Affine(self.V - other.V, self.X - other.X, self.c - other.c)
 
+    def negative(self) -> Affine:
+        """The vector times minus one."""
+        return Affine(-self.V, -self.X, -self.c)
+
     def times(self, matrix: Any) -> Affine:
         """Product of a dense or sparse matrix with the vector."""
         from scipy.sparse import csr_array
@@ -54,14 +58,18 @@ class Affine:
 
     def entry(self, index: int) -> Affine:
         """One entry, as a vector of length 1."""
-        return Affine(self.V[[index], :], self.X[[index]], self.c[[index]])
+        return self.entries(np.array([index]))
+
+    def entries(self, indices: NDArray[np.intp]) -> Affine:
+        """Some entries."""
+        return Affine(self.V[indices, :], self.X[indices], self.c[indices])
 
 
-def stack(parts: list[Affine], n: int, nx: int) -> Affine:
-    """Put vectors below each other; without any, the empty vector of `n` variables and `nx` states."""
+def stack(parts: list[Affine], n: int, parameters: int) -> Affine:
+    """Put vectors below each other; without any, the empty vector of `n` variables and so many parameters."""
     from scipy.sparse import csr_array, vstack
 
-    empty = Affine(csr_array((0, n)), np.zeros((0, nx)), np.zeros(0))
+    empty = Affine(csr_array((0, n)), np.zeros((0, parameters)), np.zeros(0))
     every = [empty, *parts]
     V = csr_array(vstack([part.V for part in every], format="csr"))
     V.eliminate_zeros()

@@ -2,15 +2,17 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable, Iterator
+
 import numpy as np
 from numpy.typing import NDArray
 
+from hysdel_py.control.bands import Band, ResolvedLimits
 from hysdel_py.control.layout import Layout
-from hysdel_py.control.limits import Band, ResolvedLimits
 from hysdel_py.systems.mld import Mld
 from hysdel_py.systems.signals import Variable
 
-__all__ = ["branching_variables", "real_inputs", "variable_bounds"]
+__all__ = ["branching_variables", "interval_product", "real_inputs", "signal_ends", "variable_bounds"]
 
 Matrix = NDArray[np.float64]
 Indices = NDArray[np.intp]
@@ -18,14 +20,16 @@ Indices = NDArray[np.intp]
 
 def variable_bounds(layout: Layout, limits: ResolvedLimits) -> tuple[Matrix, Matrix]:
     """Return the lower and upper bounds: declared ranges within hard limits, 0 and 1 for Boolean variables."""
-    low, high = _ends(layout.stage_variables)
-    lb = np.concatenate([np.tile(low, layout.horizon), np.zeros(len(layout.slacks))])
-    ub = np.concatenate([np.tile(high, layout.horizon), _largest_slacks(layout.mld, limits)])
+    low, high = signal_ends(layout.stage_variables)
+    beyond = np.zeros(len(layout.slacks) + len(layout.terms))
+    lb = np.concatenate([np.tile(low, layout.horizon), beyond])
+    ub = np.concatenate([np.tile(high, layout.horizon), beyond + np.inf])
+    ub[layout.slack(0) : layout.term(0)] = _largest_slacks(layout.mld, limits)
     for band in limits.bands:
-        if band.group != "y" and limits.slack_of(band) is None:
-            where = _places(layout, band)
-            lb[where] = np.maximum(lb[where], band.low)
-            ub[where] = np.minimum(ub[where], band.high)
+        if band.group in _TIMES and limits.slack_of(band) is None:
+            for time, where in _places(layout, band):
+                least, most = band.at(time)
+                lb[where], ub[where] = max(lb[where], least), min(ub[where], most)
     return lb, ub
 
 
@@ -34,21 +38,22 @@ def _largest_slacks(mld: Mld, limits: ResolvedLimits) -> Matrix:
 
     Finite bounds of the slacks let the branch and bound certify its bounds.
     """
-    x = _ends(mld.x)
-    signals = {"x": x, "terminal": x, "y": _output_ends(mld)}
+    x = signal_ends(mld.x)
+    y = _output_ends(mld)
+    signals = {"x": x, "terminal": x, "y": y, "final": y}
     largest = np.zeros(len(limits.slacks))
     for band in limits.bands:
         slack = limits.slack_of(band)
         if slack is not None:
             low, high = (ends[band.column] for ends in signals[band.group])
-            largest[slack] = max(largest[slack], band.low - low, high - band.high)
+            largest[slack] = max(largest[slack], max(band.lows) - low, high - min(band.highs))
     if limits.polytope is not None and limits.polytope_slack is not None:
-        excess = _interval_product(limits.polytope.S, x)[1] - limits.polytope.T
+        excess = interval_product(limits.polytope.S, x)[1] - limits.polytope.T
         largest[limits.polytope_slack] = max(0.0, excess.max(initial=0.0))
     return largest
 
 
-def _ends(variables: tuple[Variable, ...]) -> tuple[Matrix, Matrix]:
+def signal_ends(variables: tuple[Variable, ...]) -> tuple[Matrix, Matrix]:
     """Lower and upper ends of the ranges; those of a Boolean are equal where it has only one value."""
     low = np.array([max(0.0, v.low) if v.is_bool else v.low for v in variables], dtype=float)
     high = np.array([min(1.0, v.high) if v.is_bool else v.high for v in variables], dtype=float)
@@ -56,12 +61,12 @@ def _ends(variables: tuple[Variable, ...]) -> tuple[Matrix, Matrix]:
 
 
 def _output_ends(mld: Mld) -> tuple[Matrix, Matrix]:
-    low, high = _ends((*mld.x, *mld.u, *mld.d, *mld.z))
-    below, above = _interval_product(np.hstack([mld.C, mld.D1, mld.D2, mld.D3]), (low, high))
+    low, high = signal_ends((*mld.x, *mld.u, *mld.d, *mld.z))
+    below, above = interval_product(np.hstack([mld.C, mld.D1, mld.D2, mld.D3]), (low, high))
     return below + mld.D5, above + mld.D5
 
 
-def _interval_product(matrix: Matrix, ends: tuple[Matrix, Matrix]) -> tuple[Matrix, Matrix]:
+def interval_product(matrix: Matrix, ends: tuple[Matrix, Matrix]) -> tuple[Matrix, Matrix]:
     """Smallest and largest values of ``matrix v`` for v between the ends; a zero entry cancels an infinite end."""
     low, high = ends
     with np.errstate(invalid="ignore"):
@@ -72,14 +77,22 @@ def _interval_product(matrix: Matrix, ends: tuple[Matrix, Matrix]) -> tuple[Matr
     return below, above
 
 
-def _places(layout: Layout, band: Band) -> list[int]:
-    N = layout.horizon
-    times = {"u": range(N), "x": range(1, N + 1), "terminal": range(N, N + 1)}[band.group]
-    return [layout.start("u" if band.group == "u" else "x", k) + band.column for k in times]
+_TIMES: dict[str, Callable[[int], range]] = {
+    "u": range,
+    "x": lambda N: range(1, N + 1),
+    "terminal": lambda N: range(N, N + 1),
+}
+"""At which times a hard limit is a bound of a variable."""
 
 
-def branching_variables(layout: Layout) -> tuple[Indices, Indices]:
-    """Return the variables that must be 0 or 1, in the order of the stages, and the stage of each.
+def _places(layout: Layout, band: Band) -> Iterator[tuple[int, int]]:
+    """Times of a limit, and the variable that it bounds there."""
+    for time in _TIMES[band.group](layout.horizon):
+        yield time, layout.start("u" if band.group == "u" else "x", time) + band.column
+
+
+def branching_variables(layout: Layout, exact: int) -> tuple[Indices, Indices]:
+    """Return the variables that must be 0 or 1, in the order of the first `exact` stages, and the stage of each.
 
     These are the Boolean inputs and auxiliaries, and those Boolean states whose update does not make them integers.
     """
@@ -88,8 +101,8 @@ def branching_variables(layout: Layout) -> tuple[Indices, Indices]:
     inputs = [v.is_bool for v in mld.u]
     mask = np.array([*inputs, *([True] * mld.nd), *([False] * mld.nz), *states], dtype=bool)
     columns = np.flatnonzero(mask)
-    stages = np.repeat(np.arange(layout.horizon), len(columns))
-    return np.tile(columns, layout.horizon) + stages * layout.stage_size, stages
+    stages = np.repeat(np.arange(exact), len(columns))
+    return np.tile(columns, exact) + stages * layout.stage_size, stages
 
 
 def _implied_states(mld: Mld) -> list[bool]:

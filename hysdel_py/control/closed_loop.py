@@ -36,6 +36,7 @@ def closed_loop(
     stop: Callable[[int, Matrix], bool] | None = None,
     progress: Callable[[int, int], Any] | None = None,
     tolerances: ControlTolerances = DEFAULT_CONTROL_TOLERANCES,
+    last_input: ArrayLike | Mapping[str, float] | None = None,
 ) -> Trajectory:
     """Run a controller on a plant.
 
@@ -61,13 +62,16 @@ def closed_loop(
         ``progress(k, steps)`` is called after each step.
     tolerances : ControlTolerances, optional
         A state of a modelled plant that leaves its range by no more than ``measured`` is moved onto the range.
+    last_input : array_like of shape (nu,), or mapping of name to number
+        Input applied before the first step; needed exactly when the controller weighs or limits increments.
 
     Returns
     -------
     Trajectory
         With as many steps as were made. ``messages`` says at which step and why a run ended early, and lists every
-        move that was not optimal; ``info`` has ``cost, bound, gap, nodes, qps, seconds`` and ``status``
-        (:attr:`MoveStatus.code`, NaN for a controller that returns plain inputs) per step.
+        move that was not optimal, and a last line counts the inputs that came from a fallback; ``info`` has ``cost,
+        bound, gap, nodes, qps, seconds``, ``status`` (:attr:`MoveStatus.code`) and ``fallback`` (1 where the input came
+        from a fallback) per step, NaN for a controller that returns plain inputs.
 
     Raises
     ------
@@ -88,12 +92,13 @@ def closed_loop(
         if stop is not None and stop(k, x.copy()):
             run.messages.append(f"step {k}: stopped as asked")
             break
-        answer = _ask(controller, x.copy(), ref(k) if callable(ref) else ref)
+        answer = _ask(controller, x.copy(), ref(k) if callable(ref) else ref, run.u[-1] if run.u else last_input)
         u = _choose_input(run, k, answer, on_failure)
         if u is None or not run.advance(k, step, u, answer.record):
             break
         if progress is not None:
             progress(k + 1, steps)
+    run.messages += _counted(run)
     sample_time = getattr(plant, "sample_time", getattr(controller, "sample_time", 1.0))
     return run.trajectory(variables, sample_time)
 
@@ -110,9 +115,10 @@ class _Answer:
     def record(self) -> tuple[float, ...]:
         """The entries of :data:`~hysdel_py.control.run.RECORDED`."""
         if self.move is None:
-            return (nan, nan, nan, nan, nan, self.seconds, nan)
+            return (nan, nan, nan, nan, nan, self.seconds, nan, nan)
         m = self.move
-        return m.cost, m.bound, m.gap, float(m.nodes), float(m.qps), self.seconds, float(m.status.code)
+        numbers = m.cost, m.bound, m.gap, float(m.nodes), float(m.qps), self.seconds, float(m.status.code)
+        return *numbers, float(m.status is MoveStatus.FALLBACK)
 
     @property
     def message(self) -> str:
@@ -122,10 +128,17 @@ class _Answer:
         return "" if self.move.status is MoveStatus.OPTIMAL else self.move.message
 
 
-def _ask(controller: Any, x: Matrix, ref: Reference) -> _Answer:
+def _counted(run: Run) -> list[str]:
+    """A line that counts the inputs of a fallback, if there were any."""
+    count = sum(record[-1] == 1.0 for record in run.records)
+    return [f"{count} of {len(run.records)} inputs came from the fallback"] if count else []
+
+
+def _ask(controller: Any, x: Matrix, ref: Reference, last: Any) -> _Answer:
     ask = getattr(controller, "solve", controller)
+    more = {"last_input": last} if getattr(controller, "uses_last_input", False) else {}
     begin = time.perf_counter()
-    answer = ask(x, ref)
+    answer = ask(x, ref, **more)
     seconds = time.perf_counter() - begin
     if isinstance(answer, Move):
         return _Answer(answer.u, answer, seconds)

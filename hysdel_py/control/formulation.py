@@ -1,12 +1,14 @@
-"""The mixed-integer quadratic program of a hybrid controller, assembled once and moved by the state and references.
+"""The mixed-integer program of a hybrid controller, assembled once and moved by the state and references.
 
 ::
 
-    minimise    (w - r)' Q (w - r) + rho eps^2        w = M v + O x0 + o   (tracked signals)
-    subject to  low <= V v + X x0 + c <= high         (model and limits, stage by stage)
+    minimise    (w - r)' Q (w - r) + g'v              w = M v + O p + o    (tracked signals)
+    subject to  low <= V v + X p + c + R r <= high    (model and limits, stage by stage; terms of the cost)
                 lb <= v <= ub,  v_i in {0, 1} for the binaries
 
-In the form ``1/2 v'Pv + q'v + constant`` only q, the constant and the ends of the rows depend on x0 and r.
+with the parameters p, the measured state and the input applied last. In the form ``1/2 v'Pv + q'v + constant`` only q,
+the constant and the ends of the rows depend on p and r. With absolute values in the cost Q is zero and the terms of the
+cost are variables, see :mod:`hysdel_py.control.epigraph`; R is zero otherwise.
 """
 
 from __future__ import annotations
@@ -19,13 +21,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hysdel_py.control.affine import Affine, stack
-from hysdel_py.control.bounds import branching_variables, real_inputs, variable_bounds
-from hysdel_py.control.costs import Weights
+from hysdel_py.control.bands import Band, ResolvedLimits
+from hysdel_py.control.bounds import branching_variables, real_inputs, signal_ends, variable_bounds
+from hysdel_py.control.epigraph import Epigraph, epigraph
 from hysdel_py.control.influence import influenced_outputs
 from hysdel_py.control.layout import Layout
-from hysdel_py.control.limits import Band, ResolvedLimits
-from hysdel_py.control.objective import Objective, objective
+from hysdel_py.control.objective import Objective, cost_terms, objective, term_labels
 from hysdel_py.control.rows import Row, row_blocks
+from hysdel_py.control.shape import Shape
+from hysdel_py.control.weights import Norm, Weights
 from hysdel_py.systems.mld import Mld
 
 if TYPE_CHECKING:
@@ -39,11 +43,12 @@ Indices = NDArray[np.intp]
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Vectors:
-    """What changes with the measured state and the references."""
+    """What changes with the measured state, the input applied last and the references."""
 
     q: Matrix
     l: Matrix  # noqa: E741  the name that the row ends have in the program
     u: Matrix
+    ub: Matrix
     constant: float
 
 
@@ -71,6 +76,12 @@ class Formulation:
     unmovable : tuple of Band
         Limits of outputs that are left out at time 0.
     objective : Objective
+    shape : Shape
+    norm : Norm
+    epigraph : Epigraph
+        Its rows are the last ones of A.
+    uses_last_input : bool
+        Whether increments of the inputs are weighed or limited.
     """
 
     layout: Layout
@@ -89,6 +100,10 @@ class Formulation:
     condition_rows: tuple[Row, ...]
     objective: Objective
     unmovable: tuple[Band, ...]
+    shape: Shape
+    norm: Norm
+    epigraph: Epigraph
+    uses_last_input: bool
 
     def describe_variable(self, index: int) -> str:
         """Say in words what a decision variable is, for example ``z[3] Tcl (line 23)``."""
@@ -98,24 +113,34 @@ class Formulation:
         """Say in words what a row demands and where it comes from."""
         return str(self.rows[index])
 
-    def vectors(self, x0: Matrix, references: Mapping[str, Matrix]) -> Vectors:
-        """Return what depends on the measured state and the references.
+    def vectors(self, x0: Matrix, references: Mapping[str, Matrix], last_input: Matrix | None = None) -> Vectors:
+        """Return what depends on the measured state, the references and the input applied last.
 
         Parameters
         ----------
         x0 : array of shape (nx,)
         references : mapping of name to array of shape (N+1,)
             Names without an entry have the reference 0.
+        last_input : array of shape (nu,), optional
+            Zeros by default; it counts only where `uses_last_input` says so.
         """
-        signals = self.objective.signals
-        offset = signals.X @ x0 + signals.c - self._targets(references)
+        p = np.concatenate([x0, np.zeros(self.layout.mld.nu) if last_input is None else last_input])
+        signals, targets = self.objective.signals, self._targets(references)
+        offset = signals.X @ p + signals.c - targets
         pull = self.objective.Q @ offset
-        moved = self.shift.X @ x0 + self.shift.c
-        return Vectors(2.0 * (signals.V.T @ pull), self.low - moved, self.high - moved, float(offset @ pull))
+        moved = self.shift.X @ p + self.shift.c
+        moved[len(moved) - self.epigraph.references.shape[0] :] += self.epigraph.references @ targets
+        q = self.objective.linear + 2.0 * (signals.V.T @ pull)
+        return Vectors(q, self.low - moved, self.high - moved, self._upper(targets), float(offset @ pull))
+
+    def _upper(self, targets: Matrix) -> Matrix:
+        ub = self.ub.copy()
+        ub[self.layout.term(0) :] = self.epigraph.largest(targets)
+        return ub
 
     def failed_conditions(self, x0: Matrix, tolerance: float) -> tuple[Row, ...]:
         """Return the requirements that the measured state breaks whatever the input is."""
-        terms = self.conditions.X * x0
+        terms = self.conditions.X[:, : len(x0)] * x0
         size = np.maximum(1.0, np.abs(terms).max(axis=1, initial=0.0))
         excess = terms.sum(axis=1) + self.conditions.c
         return tuple(self.condition_rows[i] for i in np.flatnonzero(excess > tolerance * size))
@@ -125,17 +150,20 @@ class Formulation:
         value = self.A @ v
         size = np.maximum(1.0, abs(self.A) @ np.abs(v))
         rows = np.maximum(vectors.l - value, value - vectors.u) / size
-        bounds = np.maximum(self.lb - v, v - self.ub) / np.maximum(1.0, np.abs(v))
+        bounds = np.maximum(self.lb - v, v - vectors.ub) / np.maximum(1.0, np.abs(v))
         return float(max(rows.max(initial=0.0), bounds.max(initial=0.0)))
 
     def _targets(self, references: Mapping[str, Matrix]) -> Matrix:
         tracked = self.objective.tracked
         return np.array(
-            [references[w.name][w.time] if w.name in references else 0.0 for w in tracked], dtype=np.float64
+            [references[w.name][w.time] if w.group != "du" and w.name in references else 0.0 for w in tracked],
+            dtype=np.float64,
         )
 
 
-def formulate(mld: Mld, horizon: int, weights: Weights, limits: ResolvedLimits) -> Formulation:
+def formulate(
+    mld: Mld, horizon: int, weights: Weights, limits: ResolvedLimits, shape: Shape | None = None
+) -> Formulation:
     """Assemble the program of a controller.
 
     Parameters
@@ -145,17 +173,23 @@ def formulate(mld: Mld, horizon: int, weights: Weights, limits: ResolvedLimits) 
         Number N >= 1 of steps that are planned.
     weights : Weights
     limits : ResolvedLimits
+    shape : Shape, optional
+        All inputs and binaries free by default.
     """
-    layout = Layout(mld, horizon, limits.slacks)
+    shape = Shape.free(horizon) if shape is None else shape
+    layout = Layout(mld, horizon, limits.slacks, term_labels(horizon, weights))
     influenced = influenced_outputs(mld)
     unmovable = tuple(band for band in limits.bands if band.group == "y" and not influenced[band.column])
-    blocks = list(row_blocks(layout, limits, unmovable))
-    value = stack([block.value for block in blocks], layout.n, mld.nx)
+    lb, ub = variable_bounds(layout, limits)
+    terms = cost_terms(layout, weights)
+    parameters = signal_ends((*mld.x, *mld.u))
+    extra = epigraph(layout, terms, weights.norm, (lb, ub), parameters)
+    blocks = [*row_blocks(layout, limits, shape, unmovable), extra.block]
+    value = stack([block.value for block in blocks], layout.n, layout.parameters)
     low, high = (np.concatenate([getattr(block, end) for block in blocks]) for end in ("low", "high"))
     rows = [row for block in blocks for row in block.rows]
     active = np.diff(value.V.indptr) > 0
-    binaries, stages = branching_variables(layout)
-    lb, ub = variable_bounds(layout, limits)
+    binaries, stages = branching_variables(layout, shape.exact)
     return Formulation(
         layout=layout,
         limits=limits,
@@ -171,10 +205,14 @@ def formulate(mld: Mld, horizon: int, weights: Weights, limits: ResolvedLimits) 
         high=high[active],
         conditions=_pick(value, ~active).shifted(-high[~active]),
         condition_rows=tuple(row for row, keep in zip(rows, active, strict=True) if not keep),
-        objective=objective(layout, weights, limits.rho),
+        objective=objective(layout, terms, weights.norm, limits.rho),
         unmovable=unmovable,
+        shape=shape,
+        norm=weights.norm,
+        epigraph=extra,
+        uses_last_input=limits.limits_increments or bool(len(weights.du.columns)),
     )
 
 
 def _pick(value: Affine, mask: NDArray[np.bool_]) -> Affine:
-    return Affine(value.V[mask], value.X[mask], value.c[mask])
+    return value.entries(np.flatnonzero(mask))

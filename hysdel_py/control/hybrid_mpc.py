@@ -1,4 +1,4 @@
-"""Model predictive control of mixed logical dynamical systems by mixed-integer quadratic programming.
+"""Model predictive control of mixed logical dynamical systems by mixed-integer quadratic or linear programming.
 
 After Bemporad and Morari, "Control of systems integrating logic, dynamics, and constraints", Automatica 35, 1999; cost
 and limits as in the HYBCON controllers of the Hybrid Toolbox.
@@ -9,35 +9,36 @@ from __future__ import annotations
 import time
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
-from operator import index
-from typing import TYPE_CHECKING, Any, TypeVar
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from hysdel_py.control import outcome
+from hysdel_py.control import construction
+from hysdel_py.control import fallback as fallbacks
 from hysdel_py.control.costs import Cost
-from hysdel_py.control.formulation import Formulation, Vectors, formulate
-from hysdel_py.control.layout import Plan
+from hysdel_py.control.fallback import Fallback, Reserve, check_fallback
+from hysdel_py.control.formulation import Formulation, formulate
 from hysdel_py.control.limits import Limits
-from hysdel_py.control.move import Move, MoveStatus
-from hysdel_py.control.prediction import choose_step, shifted, simulated_binaries
+from hysdel_py.control.move import Case, Move, MoveStatus
+from hysdel_py.control.planner import Planner
+from hysdel_py.control.prediction import choose_step
 from hysdel_py.control.references import Reference, choose_references
 from hysdel_py.control.settings import DEFAULT_CONTROL_TOLERANCES, ControlTolerances
+from hysdel_py.control.shape import choose_shape
 from hysdel_py.errors import ArgumentError
-from hysdel_py.systems.mld import Mld
 from hysdel_py.systems.signals import as_vector
 
 if TYPE_CHECKING:
-    from hysdel_py.optimize.miqp import Miqp, MiqpResult, MiqpSettings, MiqpSolver
+    from pathlib import Path
+
+    from hysdel_py.control.explanation import PlanExplanation
+    from hysdel_py.optimize.miqp import Miqp
 
 __all__ = ["HybridMpc", "Move", "MoveStatus"]
 
 Matrix = NDArray[np.float64]
-T = TypeVar("T")
-
-MAX_VARIABLES = 20_000
-"""Largest program that is assembled; the search would not finish long before this size."""
+LastInput = ArrayLike | Mapping[str, float] | None
 
 
 class HybridMpc:
@@ -69,8 +70,19 @@ class HybridMpc:
         A plan is optimal when its cost exceeds the bound by no more than the larger of `gap_abs` and `gap_rel` times
         the cost.
     progress : callable, optional
-        Passed on to the branch and bound.
+        Passed on to the branch and bound; with the norms 1 and infinity it is called once, after the search.
     tolerances : ControlTolerances, optional
+    blocking : sequence of int, optional
+        Lengths of the blocks of stages with equal inputs, with the sum N.
+    control_horizon : int, optional
+        Number of inputs that are decided; the last one is held to the end of the horizon.
+    binary_horizon : int, optional
+        Number of stages whose switches are decided exactly. Later ones are relaxed: the plan is an approximation
+        there, and says so.
+    fallback : "soft", "last_plan", callable or None
+        What gives the input when there is no plan: the same controller with all limits of states and outputs
+        softened, the next input of the last plan (with one call of :meth:`solve` per step), or
+        ``fallback(x, move) -> u``. The move then has the status ``FALLBACK`` and says why.
 
     Attributes
     ----------
@@ -102,31 +114,58 @@ class HybridMpc:
         gap_abs: float = 1e-5,
         progress: Callable[..., Any] | None = None,
         tolerances: ControlTolerances = DEFAULT_CONTROL_TOLERANCES,
+        blocking: Sequence[int] | None = None,
+        control_horizon: int | None = None,
+        binary_horizon: int | None = None,
+        fallback: Fallback = None,
     ) -> None:
         self.model = model
-        self.mld = _mld_of(model)
-        self.horizon = _checked_horizon(horizon, self.mld)
-        if progress is not None and not callable(progress):
-            raise ArgumentError(f"progress is a {type(progress).__name__}: a callable was expected")
-        _checked(tolerances, ControlTolerances, "tolerances")
-        weights = _checked(cost, Cost, "cost").resolve(self.mld, tolerances)
-        bands = _checked(Limits() if limits is None else limits, Limits, "limits").resolve(self.mld)
+        limits = construction.checked(Limits() if limits is None else limits, Limits, "limits")
+        self.mld = construction.mld_of(model)
+        self.horizon = construction.checked_horizon(horizon, self.mld)
+        shape = choose_shape(self.horizon, blocking, control_horizon, binary_horizon)
+        construction.checked(tolerances, ControlTolerances, "tolerances")
+        weights = construction.checked(cost, Cost, "cost").resolve(self.mld, tolerances)
+        bands = limits.resolve(self.mld, self.horizon)
         self.references = choose_references(references, weights.names, self.horizon)
-        self.formulation: Formulation = formulate(self.mld, self.horizon, weights, bands)
+        self.formulation: Formulation = formulate(self.mld, self.horizon, weights, bands, shape)
         self.tolerances = tolerances
         self.sample_time: float = getattr(model, "sample_time", 1.0)
-        self._progress = progress
-        self._step = choose_step(model, self.mld)
         limits_of_search = {"time_limit": time_limit, "node_limit": node_limit}
-        settings = _settings(backend, limits_of_search, gap_rel, gap_abs, tolerances.feasibility)
-        self._solver = _solver(self.formulation, settings)
-        self._plan: Plan | None = None
+        settings = construction.search_settings(backend, limits_of_search, gap_rel, gap_abs, tolerances.feasibility)
+        step, callback = choose_step(model, self.mld), construction.checked_callable(progress, "progress")
+
+        def planner(formulation: Formulation) -> Planner:
+            return Planner(formulation, settings, step, tolerances, progress=callback)
+
+        self._planner = planner(self.formulation)
+        self._fallback = check_fallback(fallback, limits)
+        self._reserve: Reserve | None = None
+        self._softened: Planner | None = None
+        if fallback == "soft":
+            softened = replace(limits, soft=True).resolve(self.mld, self.horizon)
+            self._softened = planner(formulate(self.mld, self.horizon, weights, softened, shape))
+
+    @property
+    def uses_last_input(self) -> bool:
+        """Whether increments of the inputs are weighed or limited, so that :meth:`solve` needs the last input."""
+        return self.formulation.uses_last_input
 
     def reset(self) -> None:
         """Forget the last plan."""
-        self._plan = None
+        self._reserve = None
+        for planner in (self._planner, self._softened):
+            if planner is not None:
+                planner.reset()
 
-    def solve(self, x: ArrayLike | Mapping[str, float], ref: Reference = None, *, warm: bool = True) -> Move:
+    def solve(
+        self,
+        x: ArrayLike | Mapping[str, float],
+        ref: Reference = None,
+        *,
+        warm: bool = True,
+        last_input: LastInput = None,
+    ) -> Move:
         """Plan from a measured state and return the first input.
 
         Parameters
@@ -138,6 +177,8 @@ class HybridMpc:
             0, 1, ...; a vector has one number per name in `references`.
         warm : bool
             Start from the last plan, shifted by one step.
+        last_input : array_like of shape (nu,), or mapping of name to number
+            The input applied in the step before; needed exactly when increments are weighed or limited.
 
         Returns
         -------
@@ -148,116 +189,106 @@ class HybridMpc:
         Raises
         ------
         ArgumentError
-            Wrong dimension, unknown name, NaN, infinite values or missing references.
+            Wrong dimension, unknown name, NaN, infinite values, missing references or a missing last input.
         """
         begin = time.perf_counter()
-        measured = as_vector(x, self.mld.x, "state")
-        table = self.references.table(ref)
-        x0, reasons = outcome.admissible_state(self.formulation, measured, self.tolerances)
-        if reasons:
-            return outcome.refused(reasons, time.perf_counter() - begin)
-        vectors = self.formulation.vectors(x0, table)
-        result = self._search(vectors, x0, warm)
-        move, plan = outcome.judged(
-            self.formulation, vectors, x0, result, self.tolerances, sample_time=self.sample_time
-        )
-        self._plan = plan
-        message = move.message if plan is None else move.message + self._remark_on_thresholds(plan, x0)
-        return replace(move, message=message, seconds=time.perf_counter() - begin)
+        measured, table = as_vector(x, self.mld.x, "state"), self.references.table(ref)
+        last = self._last_input(last_input)
+        move = self._planner.plan(measured, table, last, warm=warm, sample_time=self.sample_time)
+        if move.ok:
+            self._reserve = None if move.predicted is None else Reserve(move.predicted.u)
+        elif self._fallback is not None:
+            move = self._fall_back(move, measured, table, last)
+        return replace(move, seconds=time.perf_counter() - begin)
 
-    def _remark_on_thresholds(self, plan: Plan, x0: Matrix) -> str:
-        """Say where the plan counts on a threshold that the model, without epsilon and rounding, sees differently."""
+    def _last_input(self, given: LastInput) -> Matrix | None:
+        if given is not None:
+            return as_vector(given, self.mld.u, "last input")
+        if self.uses_last_input:
+            names = ", ".join(v.name for v in self.mld.u)
+            raise ArgumentError(
+                f"last_input is missing: increments are weighed or limited, so the input applied last ({names}) counts"
+            )
+        return None
+
+    def _fall_back(self, failed: Move, measured: Matrix, table: Mapping[str, Matrix], last: Matrix | None) -> Move:
+        if self._softened is not None:
+            again = self._softened.plan(measured, table, last, warm=False, sample_time=self.sample_time)
+            softened = fallbacks.from_softened(failed, again)
+            self._reserve = None if softened.predicted is None else Reserve(softened.predicted.u)
+            return softened
+        if callable(self._fallback):
+            return fallbacks.from_callable(failed, self._fallback, measured, self.formulation)
+        move = fallbacks.from_reserve(failed, self._reserve, self.formulation, last, self.tolerances.residual)
+        self._reserve = None if self._reserve is None else replace(self._reserve, used=self._reserve.used + 1)
+        return move
+
+    def why(self, move: Move) -> PlanExplanation:
+        """Explain a plan of this controller: active limits, binaries without a choice, prices of requirements.
+
+        Parameters
+        ----------
+        move : Move
+            An answer of this controller with a plan.
+
+        Raises
+        ------
+        ArgumentError
+            The move has no plan of this controller.
+        """
+        from hysdel_py.control.explanation import explain
+
+        return explain(self.formulation, self._planner.solver.miqp, move)
+
+    def dump_problem(
+        self,
+        path: str | Path,
+        x: ArrayLike | Mapping[str, float] | None = None,
+        ref: Reference = None,
+        *,
+        last_input: LastInput = None,
+        move: Move | None = None,
+    ) -> None:
+        """Write the program of one call as a JSON file, which ``hysdel solve`` and :func:`read_case` solve anywhere.
+
+        Parameters
+        ----------
+        path : str or Path
+        x, ref, last_input
+            As for :meth:`solve`.
+        move : Move, optional
+            Instead of them: the program of an answer of this controller.
+
+        Raises
+        ------
+        ArgumentError
+            Neither a state nor a move with its program.
+        """
+        from hysdel_py.optimize.case_file import write_case
+
+        if (move is None) == (x is None):
+            raise ArgumentError("either a state or a move was expected")
+        if x is not None:
+            program = self.problem(x, ref, last_input=last_input)
+        else:
+            program = self._planner.program(_case_of(move).vectors)
         f = self.formulation
-        planned = np.round(f.layout.join(plan)[f.binaries])
-        differing = np.flatnonzero(planned != simulated_binaries(f, self._step, x0, plan))
-        if not differing.size:
-            return ""
-        first = f.describe_variable(int(f.binaries[differing[0]]))
-        return (
-            f"; the plan stands on a threshold, which the simulated model may see from the other side first at {first}"
-        )
+        variables = [f.describe_variable(i) for i in range(f.layout.n)]
+        write_case(path, program, self._planner.solver.settings, variables, [str(row) for row in f.rows])
 
-    def problem(self, x: ArrayLike | Mapping[str, float], ref: Reference = None) -> Miqp:
+    def problem(
+        self, x: ArrayLike | Mapping[str, float], ref: Reference = None, *, last_input: LastInput = None
+    ) -> Miqp:
         """Return the mixed-integer program of one call, to study it or to hand it to another solver.
 
         Parameters and errors are those of :meth:`solve`. The cost includes the constant, so that its value is that of
         ``Move.cost``; the state is not moved onto its range.
         """
-        from hysdel_py.optimize.miqp import Miqp
-
-        vectors = self.formulation.vectors(as_vector(x, self.mld.x, "state"), self.references.table(ref))
-        program = self._solver.miqp
-        qp = program.qp.with_vectors(vectors.q, l=vectors.l, u=vectors.u, constant=vectors.constant)
-        return Miqp(qp, program.binaries, priorities=program.priorities, drivers=program.drivers)
-
-    def _search(self, vectors: Vectors, x0: Matrix, warm: bool) -> MiqpResult:
-        return self._solver.solve(
-            q=vectors.q,
-            l=vectors.l,
-            u=vectors.u,
-            constant=vectors.constant,
-            floor=0.0,  # the cost is a sum of squares
-            incumbent=self._guess(x0) if warm else None,
-            heuristic=self._heuristic(x0),
-            progress=self._progress,
-        )
-
-    def _guess(self, x0: Matrix) -> Matrix | None:
-        """Binaries of the last plan, one step later and as the model moves from the measured state."""
-        if self._plan is None:
-            return None
-        return simulated_binaries(self.formulation, self._step, x0, shifted(self._plan))
-
-    def _heuristic(self, x0: Matrix) -> Callable[[Matrix, Matrix, Matrix], Matrix]:
-        def simulate_relaxation(v: Matrix, _lb: Matrix, _ub: Matrix) -> Matrix:
-            relaxed = self.formulation.layout.split(v, x0)
-            return simulated_binaries(self.formulation, self._step, x0, relaxed)
-
-        return simulate_relaxation
+        state, last = as_vector(x, self.mld.x, "state"), self._last_input(last_input)
+        return self._planner.program(self.formulation.vectors(state, self.references.table(ref), last))
 
 
-def _mld_of(model: Any) -> Mld:
-    mld = getattr(model, "mld", model)
-    if not isinstance(mld, Mld):
-        raise ArgumentError(f"model is a {type(model).__name__}: a Model or an Mld was expected")
-    return mld
-
-
-def _checked_horizon(horizon: int, mld: Mld) -> int:
-    try:
-        steps = 0 if isinstance(horizon, bool) else index(horizon)
-    except TypeError:
-        steps = 0
-    if steps < 1:
-        raise ArgumentError(f"horizon is {horizon!r}: a whole number of at least 1 was expected")
-    size = steps * (mld.nx + mld.nu + mld.nd + mld.nz)
-    if size > MAX_VARIABLES:
-        raise ArgumentError(
-            f"horizon is {steps}: the program would have {size} variables, at most {MAX_VARIABLES} are accepted"
-        )
-    return steps
-
-
-def _checked(value: Any, kind: type[T], what: str) -> T:
-    if not isinstance(value, kind):
-        raise ArgumentError(f"{what} is a {type(value).__name__}: a {kind.__name__} was expected")
-    return value
-
-
-def _settings(
-    backend: str, limits: Mapping[str, float | None], gap_rel: float, gap_abs: float, feasibility: float
-) -> MiqpSettings:
-    from hysdel_py.optimize.miqp import MiqpSettings
-
-    given: dict[str, Any] = {name: value for name, value in limits.items() if value is not None}
-    return MiqpSettings(backend=backend, gap_rel=gap_rel, gap_abs=gap_abs, feasibility=feasibility, **given)
-
-
-def _solver(formulation: Formulation, settings: MiqpSettings) -> MiqpSolver:
-    from hysdel_py.optimize.miqp import Miqp, MiqpSolver
-    from hysdel_py.optimize.qp import Qp
-
-    f = formulation
-    rows = f.low - f.shift.c, f.high - f.shift.c
-    qp = Qp(P=f.objective.P, q=np.zeros(f.layout.n), A=f.A, l=rows[0], u=rows[1], lb=f.lb, ub=f.ub)
-    return MiqpSolver(Miqp(qp, f.binaries, priorities=f.stages, drivers=f.drivers), settings)
+def _case_of(move: Move | None) -> Case:
+    if move is None or move.case is None:
+        raise ArgumentError("the move has no program: its state was refused before there was one")
+    return move.case

@@ -36,18 +36,23 @@ class Plan:
 
 @dataclass(frozen=True, slots=True)
 class Layout:
-    """Order of the decision variables: ``[u_k, d_k, z_k, x_{k+1}]`` for each stage k = 0..N-1, then the slacks.
+    """Order of the decision variables: ``[u_k, d_k, z_k, x_{k+1}]`` for each stage k = 0..N-1, the slacks, the terms.
+
+    What a plan starts from are the parameters ``(x_0, u_{-1})``: the measured state and the input applied last.
 
     Attributes
     ----------
     mld : Mld
     horizon : int
     slacks : tuple of str
+    terms : tuple of str
+        Terms of a cost with absolute values, each a variable not below its term.
     """
 
     mld: Mld
     horizon: int
     slacks: tuple[str, ...]
+    terms: tuple[str, ...] = ()
 
     @property
     def stage_size(self) -> int:
@@ -57,7 +62,12 @@ class Layout:
     @property
     def n(self) -> int:
         """Number of decision variables."""
-        return self.horizon * self.stage_size + len(self.slacks)
+        return self.horizon * self.stage_size + len(self.slacks) + len(self.terms)
+
+    @property
+    def parameters(self) -> int:
+        """Number of parameters."""
+        return self.mld.nx + self.mld.nu
 
     @property
     def stage_variables(self) -> tuple[Variable, ...]:
@@ -74,13 +84,24 @@ class Layout:
         """Index of a slack variable."""
         return self.horizon * self.stage_size + index
 
+    def term(self, index: int) -> int:
+        """Index of the variable of a term."""
+        return self.horizon * self.stage_size + len(self.slacks) + index
+
     def signal(self, group: str, k: int) -> Affine:
-        """Return ``x_k``, ``u_k``, ``d_k``, ``z_k`` or ``y_k`` in terms of the decision variables and x_0."""
+        """Return ``x_k``, ``u_k``, ``u_k - u_{k-1}`` (du), ``d_k``, ``z_k`` or ``y_k`` in terms of the variables.
+
+        ``u_{-1}`` is a parameter, as is ``x_0``.
+        """
         match group:
             case "y":
                 return self._combination(k, "C", "D1", "D2", "D3").shifted(self.mld.D5)
             case "x" if k == 0:
-                return self._nothing(self.mld.nx, np.eye(self.mld.nx))
+                return self._parameter(0, self.mld.nx)
+            case "u" if k < 0:
+                return self._parameter(self.mld.nx, self.mld.nu)
+            case "du":
+                return self.signal("u", k) - self.signal("u", k - 1)
             case _:
                 size = len(getattr(self.mld, group))
                 return self._selection(np.arange(size) + self.start(group, k), np.ones(size))
@@ -88,6 +109,10 @@ class Layout:
     def successor(self, k: int) -> Affine:
         """Return ``A x_k + B1 u_k + B2 d_k + B3 z_k + B5``."""
         return self._combination(k, "A", "B1", "B2", "B3").shifted(self.mld.B5)
+
+    def final_output(self) -> Affine:
+        """Return ``C x_N + D5``, the output of the last state as far as no input or auxiliary enters it."""
+        return self.signal("x", self.horizon).times(self.mld.C).shifted(self.mld.D5)
 
     def inequalities(self, k: int) -> Affine:
         """Return ``E2 d_k + E3 z_k - E1 u_k - E4 x_k - E5``, which must not be positive."""
@@ -104,17 +129,20 @@ class Layout:
         m, N = self.mld, self.horizon
         stages = v[: N * self.stage_size].reshape(N, self.stage_size)
         u, d, z, x = np.split(stages, np.cumsum([m.nu, m.nd, m.nz]), axis=1)
-        return Plan(np.vstack([x0, x]), u.copy(), d.copy(), z.copy(), v[N * self.stage_size :].copy())
+        return Plan(np.vstack([x0, x]), u.copy(), d.copy(), z.copy(), self._slack_part(v))
 
     def join(self, plan: Plan) -> Matrix:
-        """Inverse of :meth:`split`."""
+        """Inverse of :meth:`split`, with zeros for the terms."""
         stages = np.hstack([plan.u, plan.d, plan.z, plan.x[1:]])
-        return np.concatenate([stages.ravel(), plan.slack])
+        return np.concatenate([stages.ravel(), plan.slack, np.zeros(len(self.terms))])
 
     def describe(self, index: int) -> str:
         """Say in words what a decision variable is, for example ``z[3] Tcl (line 23)``."""
-        if index >= self.horizon * self.stage_size:
-            return f"slack of {self.slacks[index - self.horizon * self.stage_size]}"
+        beyond = index - self.horizon * self.stage_size
+        if beyond >= len(self.slacks):
+            return f"cost of {self.terms[beyond - len(self.slacks)]}"
+        if beyond >= 0:
+            return f"slack of {self.slacks[beyond]}"
         k, column = divmod(index, self.stage_size)
         variable = self.stage_variables[column]
         letter = variable.kind.value
@@ -135,9 +163,14 @@ class Layout:
 
         size = len(indices)
         V = csr_array((values, (np.arange(size), indices)), shape=(size, self.n))
-        return Affine(V, np.zeros((size, self.mld.nx)), np.zeros(size))
+        return Affine(V, np.zeros((size, self.parameters)), np.zeros(size))
 
-    def _nothing(self, size: int, X: Matrix) -> Affine:
+    def _parameter(self, start: int, size: int) -> Affine:
         from scipy.sparse import csr_array
 
+        X = np.eye(self.parameters)[start : start + size]
         return Affine(csr_array((size, self.n)), X, np.zeros(size))
+
+    def _slack_part(self, v: Matrix) -> Matrix:
+        start = self.slack(0)
+        return v[start : start + len(self.slacks)].copy()

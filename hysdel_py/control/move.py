@@ -6,19 +6,24 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from enum import Enum
 from math import inf, nan
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
 from hysdel_py.systems.trajectory import Trajectory
 
-__all__ = ["Move", "MoveStatus"]
+if TYPE_CHECKING:
+    from hysdel_py.control.formulation import Vectors
+
+__all__ = ["Case", "Move", "MoveStatus"]
 
 
 class MoveStatus(Enum):
     """What an answer is worth.
 
-    ``OPTIMAL`` and ``FEASIBLE`` come with an input, all others without. The order is that of :attr:`code`.
+    ``OPTIMAL``, ``FEASIBLE`` and ``FALLBACK`` come with an input, all others without. The order is that of
+    :attr:`code`.
     """
 
     OPTIMAL = "optimal"
@@ -33,6 +38,8 @@ class MoveStatus(Enum):
     """The solver could not answer, or its answer did not pass the check."""
     UNBOUNDED = "unbounded"
     """The cost has no lower bound, which a quadratic cost with finite ranges cannot have."""
+    FALLBACK = "fallback"
+    """There was no plan; the input comes from the fallback that was asked for."""
 
     @property
     def code(self) -> int:
@@ -42,7 +49,23 @@ class MoveStatus(Enum):
     @property
     def has_input(self) -> bool:
         """Whether a move with this status has an input."""
-        return self in (MoveStatus.OPTIMAL, MoveStatus.FEASIBLE)
+        return self in (MoveStatus.OPTIMAL, MoveStatus.FEASIBLE, MoveStatus.FALLBACK)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Case:
+    """The program behind a move.
+
+    Attributes
+    ----------
+    vectors : Vectors
+        What the measured state, the input applied last and the references made of the program.
+    v : array of shape (n,), or None
+        The plan as decision variables.
+    """
+
+    vectors: Vectors
+    v: NDArray[np.float64] | None = None
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -70,6 +93,15 @@ class Move:
         The plan: N+1 states, N inputs, outputs and auxiliaries.
     slack : mapping of name to float
         By how much each softened limit is exceeded at most.
+    approximate_from : int or None
+        Stage from which the binaries of the plan are relaxed, None when all are 0 or 1. The cost is then that of the
+        relaxed plan, which no plan with all binaries exact can undercut beyond the gap.
+    fallback : str
+        Which fallback gave the input, empty for a plan.
+    cause : MoveStatus or None
+        With a fallback: why there was no plan.
+    case : Case or None
+        What was solved, for :meth:`HybridMpc.why` and :meth:`HybridMpc.dump_problem`.
     """
 
     status: MoveStatus
@@ -83,6 +115,10 @@ class Move:
     seconds: float = nan
     predicted: Trajectory | None = None
     slack: Mapping[str, float] = field(default_factory=dict)
+    approximate_from: int | None = None
+    fallback: str = ""
+    cause: MoveStatus | None = None
+    case: Case | None = field(default=None, repr=False)
 
     @property
     def ok(self) -> bool:

@@ -7,10 +7,10 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
+from hysdel_py.control.bands import NEVER_SOFT, ResolvedLimits
 from hysdel_py.control.formulation import Formulation, Vectors
 from hysdel_py.control.layout import Plan
-from hysdel_py.control.limits import ResolvedLimits
-from hysdel_py.control.move import Move, MoveStatus
+from hysdel_py.control.move import Case, Move, MoveStatus
 from hysdel_py.control.prediction import as_trajectory
 from hysdel_py.control.ranges import onto_range
 from hysdel_py.control.settings import ControlTolerances
@@ -74,17 +74,18 @@ def judged(
     if result.x is None:
         status = _status_without_plan(result.status.name)
         bound = np.inf if status is MoveStatus.INFEASIBLE else result.bound
-        return Move(
-            status, _advice(status, formulation.limits, result), bound=bound, nodes=result.nodes, qps=result.qps
-        ), None
+        advice = _advice(status, formulation.limits, result)
+        return Move(status, advice, bound=bound, nodes=result.nodes, qps=result.qps, case=Case(vectors)), None
     v = result.x.copy()
     v[formulation.binaries] = np.round(v[formulation.binaries])
     residual = formulation.residual(v, vectors)
     if not residual <= tolerances.residual:
         message = f"numerical trouble: the plan violates the model by {residual:.2g}; {_TROUBLE}"
         return Move(MoveStatus.NUMERICAL, message, bound=result.bound, nodes=result.nodes, qps=result.qps), None
-    plan = formulation.layout.split(np.clip(v, formulation.lb, formulation.ub), x0)
-    predicted = as_trajectory(formulation.layout.mld, plan, sample_time)
+    v = np.clip(v, formulation.lb, formulation.ub)
+    plan = formulation.layout.split(v, x0)
+    shape = formulation.shape
+    predicted = as_trajectory(formulation.layout.mld, plan, sample_time, shape.exact)
     status = MoveStatus.OPTIMAL if result.status.name == "OPTIMAL" else MoveStatus.FEASIBLE
     move = Move(
         status,
@@ -97,6 +98,8 @@ def judged(
         slack=dict(zip(formulation.limits.slacks, plan.slack.tolist(), strict=True)),
         nodes=result.nodes,
         qps=result.qps,
+        approximate_from=None if shape.is_exact else shape.exact,
+        case=Case(vectors, v),
     )
     return move, plan
 
@@ -124,8 +127,13 @@ def _worth(status: MoveStatus, result: MiqpResult) -> str:
 
 
 def _remarks(formulation: Formulation, predicted: Trajectory, status: MoveStatus) -> list[str]:
-    """Variables whose missing range spoils the proof, and outputs outside their limit that no input can move now."""
-    return [*_missing_ranges(formulation, status), *_unmovable(formulation, predicted)]
+    """Missing ranges that spoil the proof, outputs that no input can move into their limit, relaxed stages."""
+    return [*_missing_ranges(formulation, status), *_unmovable(formulation, predicted), *_relaxed(formulation)]
+
+
+def _relaxed(formulation: Formulation) -> list[str]:
+    shape = formulation.shape
+    return [] if shape.is_exact else [f"an approximation: binaries of step {shape.exact} and later are relaxed"]
 
 
 def _missing_ranges(formulation: Formulation, status: MoveStatus) -> list[str]:
@@ -138,10 +146,10 @@ def _missing_ranges(formulation: Formulation, status: MoveStatus) -> list[str]:
 
 def _unmovable(formulation: Formulation, predicted: Trajectory) -> list[str]:
     return [
-        f"output {band.name} = {value:.6g} is outside its limit [{band.low:g}, {band.high:g}] now, and no input can "
-        "change that in this step"
+        f"output {band.name} = {value:.6g} is outside its limit {band.text(0)} now, and no input can change that in "
+        "this step"
         for band in formulation.unmovable
-        if not band.low <= (value := predicted.y[0, band.column]) <= band.high
+        if not band.at(0)[0] <= (value := predicted.y[0, band.column]) <= band.at(0)[1]
     ]
 
 
@@ -166,15 +174,15 @@ def _advice(status: MoveStatus, limits: ResolvedLimits, result: MiqpResult) -> s
 def _why_infeasible(limits: ResolvedLimits) -> str:
     inside = "the measured state is within its declared range"
     hard = [
-        f"{band.group} {band.name} in [{band.low:g}, {band.high:g}]"
+        f"{band.group} {band.name} in {band.text()}"
         for band in limits.bands
-        if band.group != "u" and limits.slack_of(band) is None
+        if band.group not in NEVER_SOFT and limits.slack_of(band) is None
     ]
     if limits.polytope is not None and limits.polytope_slack is None:
         hard.append("the terminal polytope")
     if hard:
         return f"{inside}; these limits are hard and can be softened with Limits(soft=...): {', '.join(hard)}"
-    inputs = "the limits of the inputs, " if any(band.group == "u" for band in limits.bands) else ""
+    inputs = "the limits of the inputs, " if any(band.group in NEVER_SOFT for band in limits.bands) else ""
     return (
         f"{inside} and no hard limit of a state or output is left to soften: {inputs}the declared ranges and the MUST "
         "requirements of the model cannot be kept over the horizon"

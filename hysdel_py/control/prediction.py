@@ -43,8 +43,8 @@ def _same_auxiliaries(dha: Any, mld: Mld) -> bool:
 def simulated_binaries(formulation: Formulation, step: Step | None, x0: Matrix, plan: Plan) -> Matrix:
     """Return the binaries that the model itself gives to the inputs of a plan.
 
-    The inputs are moved into their limits, Boolean ones to 0 or 1, and simulated from `x0`. From the first step that
-    the model does not have, or without a simulation, the rounded values of `plan` stand in.
+    The inputs are moved into their limits, Boolean ones to 0 or 1, held within blocks, and simulated from `x0`. From
+    the first step that the model does not have, or without a simulation, the rounded values of `plan` stand in.
 
     Parameters
     ----------
@@ -78,7 +78,7 @@ def _admissible_inputs(formulation: Formulation, u: Matrix) -> Matrix:
     low, high = (np.array([end[i : i + nu] for i in starts]) for end in (formulation.lb, formulation.ub))
     booleans = np.array([v.is_bool for v in layout.mld.u], dtype=bool)
     clipped: Matrix = np.clip(np.where(booleans, np.round(u), u), low, high)
-    return clipped
+    return clipped[list(formulation.shape.starts)]
 
 
 def shifted(plan: Plan) -> Plan:
@@ -90,13 +90,23 @@ def shifted(plan: Plan) -> Plan:
     return Plan(later(plan.x), later(plan.u), later(plan.d), later(plan.z), plan.slack)
 
 
-def as_trajectory(mld: Mld, plan: Plan, sample_time: float = 1.0) -> Trajectory:
-    """Return a plan as a trajectory, with the outputs of the MLD form and Boolean values exactly 0 or 1."""
-    x, u = plan.x.copy(), plan.u.copy()
-    d = np.round(plan.d)
-    for values, variables in ((x, mld.x), (u, mld.u)):
-        booleans = [i for i, v in enumerate(variables) if v.is_bool]
-        values[:, booleans] = np.round(values[:, booleans])
+def as_trajectory(mld: Mld, plan: Plan, sample_time: float = 1.0, exact: int | None = None) -> Trajectory:
+    """Return a plan as a trajectory, with the outputs of the MLD form and Boolean values exactly 0 or 1.
+
+    With `exact`, Boolean values of later stages are left as they are: they were relaxed.
+    """
+    stages = len(plan.u) if exact is None else exact
+    x = _rounded(plan.x, [v.is_bool for v in mld.x], stages + 1)
+    u = _rounded(plan.u, [v.is_bool for v in mld.u], stages)
+    d = _rounded(plan.d, [True] * mld.nd, stages)
     y = x[:-1] @ mld.C.T + u @ mld.D1.T + d @ mld.D2.T + plan.z @ mld.D3.T + mld.D5
     groups = {"x": mld.x, "u": mld.u, "y": mld.y, "d": mld.d, "z": mld.z}
     return Trajectory(np.arange(len(x), dtype=np.float64) * float(sample_time), x, u, y, d, plan.z.copy(), groups)
+
+
+def _rounded(values: Matrix, booleans: list[bool], rows: int) -> Matrix:
+    """Boolean columns rounded in the first rows."""
+    rounded = values.copy()
+    columns = np.flatnonzero(booleans)
+    rounded[:rows, columns] = np.round(rounded[:rows, columns])
+    return rounded

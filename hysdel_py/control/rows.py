@@ -10,11 +10,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hysdel_py.control.affine import Affine
+from hysdel_py.control.bands import Band, ResolvedLimits
 from hysdel_py.control.layout import Layout
-from hysdel_py.control.limits import Band, ResolvedLimits
+from hysdel_py.control.shape import Shape
 from hysdel_py.systems.origin import RowOrigin
 
-__all__ = ["Block", "Row", "row_blocks"]
+__all__ = ["Block", "Row", "model_rows", "row_blocks"]
 
 Matrix = NDArray[np.float64]
 
@@ -26,7 +27,8 @@ class Row:
     Attributes
     ----------
     kind : str
-        ``"update"``, ``"model"`` (an inequality of the MLD form) or ``"limit"``.
+        ``"update"``, ``"model"`` (an inequality of the MLD form), ``"limit"``, ``"held"`` (an input that a block of
+        equal inputs holds) or ``"cost"`` (a term of a cost with absolute values).
     stage : int
         Time to which the row belongs.
     text : str
@@ -53,20 +55,37 @@ class Block:
     rows: tuple[Row, ...]
 
 
-def row_blocks(layout: Layout, limits: ResolvedLimits, unmovable: tuple[Band, ...]) -> Iterator[Block]:
+def row_blocks(layout: Layout, limits: ResolvedLimits, shape: Shape, unmovable: tuple[Band, ...]) -> Iterator[Block]:
     """Yield all rows, stage by stage; the limits in `unmovable` are left out at time 0."""
     for k in range(layout.horizon):
         yield _update(layout, k)
-        yield _model_rows(layout, k)
+        yield model_rows(layout, k)
+        if shape.is_held(k):
+            yield _held(layout, k)
         for band in limits.bands:
-            if band.group == "y" and not (k == 0 and band in unmovable):
-                yield from _band_rows(layout, band, limits.slack_of(band), k)
-            elif band.group == "x" and limits.slack_of(band) is not None:
-                yield from _band_rows(layout, band, limits.slack_of(band), k + 1)
+            yield from _stage_rows(layout, band, limits, unmovable, k)
     for band in limits.bands:
-        if band.group == "terminal" and limits.slack_of(band) is not None:
+        if band.group == "final" or (band.group == "terminal" and limits.slack_of(band) is not None):
             yield from _band_rows(layout, band, limits.slack_of(band), layout.horizon)
     yield from _polytope_rows(layout, limits)
+
+
+def _stage_rows(
+    layout: Layout, band: Band, limits: ResolvedLimits, unmovable: tuple[Band, ...], k: int
+) -> Iterator[Block]:
+    """Rows of one limit that belong to a stage; what is a bound of a variable has none."""
+    slack = limits.slack_of(band)
+    if band.group == "du" or (band.group == "y" and not (k == 0 and band in unmovable)):
+        yield from _band_rows(layout, band, slack, k)
+    elif band.group == "x" and slack is not None:
+        yield from _band_rows(layout, band, slack, k + 1)
+
+
+def _held(layout: Layout, k: int) -> Block:
+    """Inputs that stay as they were at the stage before."""
+    names = tuple(v.name for v in layout.mld.u)
+    rows = tuple(Row("held", k, f"{name} as before, by the blocks of the plan") for name in names)
+    return Block(layout.signal("du", k), np.zeros(len(names)), np.zeros(len(names)), rows)
 
 
 def _update(layout: Layout, k: int) -> Block:
@@ -78,7 +97,8 @@ def _update(layout: Layout, k: int) -> Block:
     return Block(value, np.zeros(mld.nx), np.zeros(mld.nx), rows)
 
 
-def _model_rows(layout: Layout, k: int) -> Block:
+def model_rows(layout: Layout, k: int) -> Block:
+    """Inequalities of the MLD form at one stage."""
     mld = layout.mld
     rows = tuple(_row("model", k, f"row {i}", origin) for i, origin in enumerate(_padded(mld.rows, mld.ne)))
     return Block(layout.inequalities(k), np.full(mld.ne, -inf), np.zeros(mld.ne), rows)
@@ -97,17 +117,25 @@ def _row(kind: str, stage: int, text: str, origin: RowOrigin | None) -> Row:
 
 
 def _band_rows(layout: Layout, band: Band, slack: int | None, time: int) -> Iterator[Block]:
-    group = "y" if band.group == "y" else "x"
-    value = layout.signal(group, time).entry(band.column)
-    row = Row("limit", time, f"{group} {band.name} in [{band.low:g}, {band.high:g}]")
+    value = _limited(layout, band, time)
+    low, high = band.at(time)
+    row = Row("limit", time, f"{band.group} {band.name} in {band.text(time)}")
     if slack is None:
-        yield Block(value, np.array([band.low]), np.array([band.high]), (row,))
+        if low > -inf or high < inf:
+            yield Block(value, np.array([low]), np.array([high]), (row,))
         return
     eps = layout.single(layout.slack(slack), 1.0)
-    if band.low > -inf:
-        yield Block(value + eps, np.array([band.low]), np.array([inf]), (row,))
-    if band.high < inf:
-        yield Block(value - eps, np.array([-inf]), np.array([band.high]), (row,))
+    if low > -inf:
+        yield Block(value + eps, np.array([low]), np.array([inf]), (row,))
+    if high < inf:
+        yield Block(value - eps, np.array([-inf]), np.array([high]), (row,))
+
+
+def _limited(layout: Layout, band: Band, time: int) -> Affine:
+    """The signal of a limit."""
+    if band.group == "final":
+        return layout.final_output().entry(band.column)
+    return layout.signal("x" if band.group == "terminal" else band.group, time).entry(band.column)
 
 
 def _polytope_rows(layout: Layout, limits: ResolvedLimits) -> Iterator[Block]:

@@ -20,8 +20,8 @@ Matrix = NDArray[np.float64]
 PlantStep = Callable[[Matrix, Matrix], tuple[Matrix, Matrix, Matrix, Matrix]]
 Variables = dict[str, tuple[Variable, ...]]
 
-RECORDED = ("cost", "bound", "gap", "nodes", "qps", "seconds", "status")
-"""What is recorded of every move, as columns of ``Trajectory.info``; the status as its code."""
+RECORDED = ("cost", "bound", "gap", "nodes", "qps", "seconds", "status", "fallback")
+"""What is recorded of every move, as columns of ``Trajectory.info``; the status as its code, the fallback as 0 or 1."""
 
 
 def as_plant(plant: Any, controller: Any, tolerance: float) -> tuple[PlantStep, Variables]:

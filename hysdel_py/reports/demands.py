@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from math import inf
 
 from hysdel_py.analysis.horizon import Demand
-from hysdel_py.control.limits import Band, ResolvedLimits
+from hysdel_py.control.bands import Band, ResolvedLimits
+from hysdel_py.errors import ArgumentError
 from hysdel_py.systems.affine import Affine
 from hysdel_py.systems.signals import Variable
 
@@ -19,9 +20,21 @@ def demands_of(
     limits: ResolvedLimits, unmovable: Sequence[Band], steps: int, states: Sequence[Variable]
 ) -> tuple[Demand, ...]:
     """One demand per side of a hard limit; those in `unmovable` do not count at time 0, as in the controller."""
-    bands = (band for band in limits.bands if limits.slack_of(band) is None)
+    bands = [band for band in limits.bands if limits.slack_of(band) is None]
+    _check_groups(bands)
     found = [demand for band in bands for demand in _sides(band, band in unmovable, steps)]
     return (*found, *_polytope(limits, steps, states))
+
+
+def _check_groups(bands: Sequence[Band]) -> None:
+    """Refuse limits that are no demands on a signal at one time, rather than leave them out."""
+    for band in bands:
+        if band.group in ("du", "final"):
+            what = "increments of an input" if band.group == "du" else "an output of the last state"
+            raise ArgumentError(
+                f"the controller limits {what} ({band.name}), which cannot be explained yet: leave that limit out to "
+                "see whether the others contradict each other"
+            )
 
 
 def _sides(band: Band, unmovable: bool, steps: int) -> Iterator[Demand]:
@@ -33,10 +46,20 @@ def _sides(band: Band, unmovable: bool, steps: int) -> Iterator[Demand]:
     }[band.group]
     vector = "x" if band.group == "terminal" else band.group
     terms = ((band.name, 1.0),)
-    if band.low > -inf:
-        yield Demand(comparison(terms, band.low, inf), vector, terms, band.low, inf, tuple(times))
-    if band.high < inf:
-        yield Demand(comparison(terms, -inf, band.high), vector, terms, -inf, band.high, tuple(times))
+    for low, at in _grouped((time, band.at(time)[0]) for time in times):
+        if low > -inf:
+            yield Demand(comparison(terms, low, inf), vector, terms, low, inf, at)
+    for high, at in _grouped((time, band.at(time)[1]) for time in times):
+        if high < inf:
+            yield Demand(comparison(terms, -inf, high), vector, terms, -inf, high, at)
+
+
+def _grouped(ends: Iterable[tuple[int, float]]) -> list[tuple[float, tuple[int, ...]]]:
+    """Each end once, with the times at which it holds."""
+    times: dict[float, list[int]] = {}
+    for time, end in ends:
+        times.setdefault(end, []).append(time)
+    return [(end, tuple(at)) for end, at in times.items()]
 
 
 def _polytope(limits: ResolvedLimits, steps: int, states: Sequence[Variable]) -> Iterator[Demand]:

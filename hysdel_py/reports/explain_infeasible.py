@@ -12,9 +12,10 @@ from numpy.typing import ArrayLike
 
 from hysdel_py.analysis.contradiction import Finding, find_contradiction
 from hysdel_py.analysis.horizon import Demand, build_horizon
+from hysdel_py.control.bands import Band, ResolvedLimits
 from hysdel_py.control.hybrid_mpc import HybridMpc
 from hysdel_py.control.influence import influenced_outputs
-from hysdel_py.control.limits import Band, Limits, ResolvedLimits
+from hysdel_py.control.limits import Limits
 from hysdel_py.control.ranges import onto_range
 from hysdel_py.errors import ArgumentError, SimulationError
 from hysdel_py.model import Model
@@ -121,6 +122,7 @@ def _question(subject: object, x0: Any, horizon: int | None, limits: Limits | No
         if limits is not None:
             raise ArgumentError("limits are given beside a controller, which has its own: leave them out")
         model = _model_of(subject)
+        _check_free(subject)
         x, _ = onto_range(as_vector(x0, model.dha.x, "state"), model.dha.x, subject.tolerances.measured)
         steps = _checked_horizon(subject.horizon if horizon is None else horizon)
         demands = demands_of(subject.formulation.limits, subject.formulation.unmovable, steps, model.dha.x)
@@ -137,6 +139,15 @@ def _question(subject: object, x0: Any, horizon: int | None, limits: Limits | No
     return _Question(subject, steps, _named(x, subject.dha.x), _inputs(inputs, subject.dha.u, steps), demands, False)
 
 
+def _check_free(controller: HybridMpc) -> None:
+    shape = controller.formulation.shape
+    if any(shape.is_held(k) for k in range(shape.horizon)):
+        raise ArgumentError(
+            "the controller holds its inputs in blocks, which cannot be explained yet: build one without blocking to "
+            "see whether its limits contradict each other"
+        )
+
+
 def _model_of(controller: HybridMpc) -> Model:
     if not isinstance(controller.model, Model):
         raise ArgumentError(
@@ -151,7 +162,7 @@ def _demands(model: Model, limits: Limits | None, steps: int) -> tuple[Demand, .
     if not isinstance(limits, Limits):
         raise ArgumentError(f"limits is a {type(limits).__name__}: Limits was expected")
     mld: Mld = model.mld
-    resolved: ResolvedLimits = limits.resolve(mld)
+    resolved: ResolvedLimits = limits.resolve(mld, steps)
     influenced = influenced_outputs(mld)
     unmovable: tuple[Band, ...] = tuple(b for b in resolved.bands if b.group == "y" and not influenced[b.column])
     return demands_of(resolved, unmovable, steps, model.dha.x)

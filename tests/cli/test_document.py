@@ -18,7 +18,7 @@ from hysdel_py.cli.main import build_parser
 PAGE = Path(__file__).parents[2] / "docs" / "cli.md"
 BLOCK = re.compile(r"^```console\n(.*?)^```$", re.MULTILINE | re.DOTALL)
 UNSTEADY = ("bound", "gap", "nodes", "qps", "seconds")
-UNSTEADY_LINES = ("solve time", "nodes and quadratic programs", "moves by the predictive controller")
+UNSTEADY_LINES = ("search:", "solve time", "nodes and quadratic programs", "moves by the predictive controller")
 
 
 @dataclass

@@ -136,3 +136,73 @@ def test_files(hysdel, tmp_path):
     assert hysdel(*TO_THREE, "--csv", "loop.csv", "--plot", "loop.pdf").status == 0
     assert (tmp_path / "loop.csv").read_text(encoding="utf-8").startswith("t,level,was_open,flow,open,y,inflow,cost,")
     assert (tmp_path / "loop.pdf").read_bytes().startswith(b"%PDF")
+
+
+# ------------------------------------------------------------------ norms, changes, blocks, fallbacks, records
+
+
+@pytest.mark.parametrize("norm", ["1", "inf"])
+def test_other_norms(hysdel, norm):
+    shown = hysdel(*TO_THREE, "--norm", norm)
+    assert column(shown, "y") == pytest.approx([1, 2, 3, 3], abs=1e-3)
+    assert column(shown, "cost")[0] == pytest.approx(3.0, abs=1e-3)  # |1 - 3| + |2 - 3|; squares would give 5
+
+
+def test_limit_of_a_change(hysdel):
+    shown = hysdel(*TO_THREE, "--limit-change", "flow=-0.5:0.25", "--last-input", "0,0")
+    assert column(shown, "flow")[:2] == pytest.approx([0.25, 0.5], abs=1e-3)
+
+
+def test_weight_of_a_change(hysdel):
+    shown = hysdel(*TO_THREE, "--weight-change", "flow=1e5", "--last-input", "0,0")
+    assert column(shown, "flow")[:2] == pytest.approx([0, 0], abs=1e-2)
+
+
+def test_changes_need_the_input_before(hysdel):
+    shown = hysdel(*TO_THREE, "--limit-change", "flow=-0.5:0.25")
+    assert shown.status == 2
+    assert "--last-input is missing" in shown.err
+
+
+def test_blocks_and_horizons(hysdel):
+    four = (*TO_THREE, "--horizon", "4")
+    free = column(hysdel(*four), "cost")[0]
+    assert column(hysdel(*four, "--blocking", "1,3"), "cost")[0] > free - 1e-6
+    assert column(hysdel(*four, "--blocking", "4"), "cost")[0] > free + 0.1
+    assert column(hysdel(*four, "--control-horizon", "1"), "cost")[0] > free + 0.1
+    assert hysdel(*TO_THREE, "--binary-horizon", "1").status == 0
+    wrong = hysdel(*TO_THREE, "--blocking", "1,0.5")
+    assert (wrong.status, "whole numbers" in wrong.err) == (2, True)
+
+
+def test_fallback(hysdel):
+    shown = hysdel(*TO_THREE, "--limit", "level=2.5:", "--fallback", "soft")
+    assert shown.status == 0
+    assert column(shown, "status")[0] == 6
+    assert "inputs came from the fallback" in shown.out
+
+
+def test_dumped_problem_is_solved_again(hysdel, tmp_path):
+    shown = hysdel(*TO_THREE, "--dump-problem", "case.json", "--node-log", "nodes.csv")
+    assert shown.status == 0
+    again = hysdel("solve", "case.json")
+    assert again.status == 0
+    assert f"objective {column(shown, 'cost')[0]:.4g}"[:12] in again.out
+    assert "u[0] flow" in again.out
+    assert (tmp_path / "nodes.csv").read_text().startswith("nodes,qps")
+    data = hysdel("solve", "case.json", "--json", "--gap", "1e-8").json
+    assert data["status"] == "optimal"
+    assert len(data["x"]) == len(data["variables"])
+
+
+def test_solve_says_what_is_wrong_with_a_file(hysdel, tmp_path):
+    (tmp_path / "case.json").write_text("{}")
+    shown = hysdel("solve", "case.json")
+    assert shown.status == 2
+    assert "a file of dump_problem was expected" in shown.err
+
+
+def test_why(hysdel):
+    shown = hysdel(*TO_THREE, "--why")
+    assert shown.status == 0
+    assert "active limits and ranges\n  u[0] flow" in shown.err

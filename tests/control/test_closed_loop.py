@@ -32,7 +32,7 @@ def test_fold_reaches_its_reference(systems):
     assert run["x"][-1] == pytest.approx(0.5, abs=1e-3)
     assert run.messages == ()
     assert run.info["status"].tolist() == [MoveStatus.OPTIMAL.code] * 25
-    assert {"cost", "bound", "gap", "nodes", "qps", "seconds", "status"} == set(run.info)
+    assert {"cost", "bound", "gap", "nodes", "qps", "seconds", "status", "fallback"} == set(run.info)
     assert (run.info["qps"] >= 0).all()
     assert run.names["u"] == ("push",)
 

@@ -63,8 +63,8 @@ def test_warm_start_and_heuristic_reach_the_search(systems):
 
     mpc = HybridMpc(Heater(), 3, Cost(y={"felt": 1}))
     seen = []
-    solver = mpc._solver
-    mpc._solver = SimpleNamespace(solve=lambda **call: seen.append(call) or solver.solve(**call))
+    solver = mpc._planner.solver
+    mpc._planner.solver = SimpleNamespace(solve=lambda **call: seen.append(call) or solver.solve(**call))
     first = mpc.solve([0.0, 1.0], {"felt": 4.0})
     mpc.solve([0.0, 1.0], {"felt": 4.0}, warm=False)
     mpc.solve([0.0, 1.0], {"felt": 4.0})

@@ -160,5 +160,10 @@ def oracle():
 
 
 @pytest.fixture(scope="session")
+def enumerated():
+    return enumerate_optimum
+
+
+@pytest.fixture(scope="session")
 def two_mode_problem():
     return two_mode

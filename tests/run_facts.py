@@ -1,0 +1,58 @@
+"""Check the package against a folder of facts: problems with answers that other toolboxes published or computed.
+
+    python tests/run_facts.py FOLDER [--kind KIND]
+
+FOLDER holds JSON files with the entries id, kind, problem, expected and tolerance. One line is printed per fact, then
+``N passed, M failed, K skipped``; the exit status is 1 if any fact failed.
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+from collections import Counter
+from pathlib import Path
+from typing import Any
+
+from fact_checks import CHECKS
+from fact_tools import NotSupported
+
+
+def read_facts(folder: Path, kind: str | None) -> list[dict[str, Any]]:
+    facts = [json.loads(path.read_text(encoding="utf-8")) for path in sorted(folder.glob("*.json"))]
+    return [fact for fact in facts if kind in (None, fact["kind"])]
+
+
+def check_fact(fact: dict[str, Any]) -> str:
+    """Say what was compared; an AssertionError carries a difference, NotSupported what is missing."""
+    if fact["kind"] not in CHECKS:
+        raise NotSupported(f"facts of the kind {fact['kind']}")
+    return CHECKS[fact["kind"]](fact)
+
+
+def verdict(fact: dict[str, Any]) -> tuple[str, str]:
+    """The word that counts and the line that is printed."""
+    try:
+        return "passed", f"{fact['id']}: passed ({check_fact(fact)})"
+    except NotSupported as reason:
+        return "skipped", f"{fact['id']}: not yet supported ({reason})"
+    except AssertionError as difference:
+        return "failed", f"{fact['id']}: FAILED, {difference}"
+
+
+def main(arguments: list[str] | None = None) -> int:
+    parser = argparse.ArgumentParser(description="Check the package against a folder of facts.")
+    parser.add_argument("folder", type=Path)
+    parser.add_argument("--kind", help="only facts of this kind")
+    options = parser.parse_args(arguments)
+    count: Counter[str] = Counter()
+    for fact in read_facts(options.folder, options.kind):
+        word, line = verdict(fact)
+        count[word] += 1
+        print(line, flush=True)
+    print(f"{count['passed']} passed, {count['failed']} failed, {count['skipped']} skipped")
+    return 1 if count["failed"] else 0
+
+
+if __name__ == "__main__":
+    raise SystemExit(main())
