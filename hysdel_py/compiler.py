@@ -31,7 +31,7 @@ from hysdel_py.systems.dha import Dha
 from hysdel_py.systems.mld import Mld
 from hysdel_py.systems.symbolic_mld import SymbolicMld
 
-__all__ = ["analyse", "lower_to_dha", "lower_to_mld", "lower_to_symbolic_mld"]
+__all__ = ["analyse", "lower_dha_to_mld", "lower_to_dha", "lower_to_mld", "lower_to_symbolic_mld"]
 
 
 def analyse(
@@ -107,6 +107,21 @@ def lower_to_mld(model: TypedModel, dha: Dha, big_m: BigM) -> tuple[Mld, tuple[D
     lint(model, dha, sink)
     assert mld is not None  # a failed lowering has reported an error
     return mld, sink.diagnostics
+
+
+def lower_dha_to_mld(dha: Dha, big_m: BigM) -> Mld:
+    """Lower a Dha that was made by something else than a text.
+
+    Raises
+    ------
+    CompileError
+        A range is missing, or the result is too large.
+    """
+    sink = Sink()
+    mld = to_mld(dha, big_m, sink)
+    sink.raise_errors(Source(dha.source or f"<{dha.name}>", ""))
+    assert mld is not None  # a failed lowering has reported an error
+    return mld
 
 
 def lower_to_symbolic_mld(model: TypedModel, dha: Dha) -> tuple[SymbolicMld, tuple[Diagnostic, ...]]:

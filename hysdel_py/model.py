@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, TypeVar
@@ -23,10 +23,11 @@ if TYPE_CHECKING:
     from hysdel_py.semantics.typed_model import TypedModel
     from hysdel_py.systems.dha import Dha
     from hysdel_py.systems.mld import Mld
+    from hysdel_py.systems.pwa import Pwa
     from hysdel_py.systems.symbolic_mld import SymbolicMld
     from hysdel_py.systems.trajectory import Trajectory
 
-__all__ = ["Model", "audit", "load", "to_dha", "to_mld", "to_symbolic_mld"]
+__all__ = ["Model", "audit", "load", "to_dha", "to_mld", "to_pwa", "to_symbolic_mld"]
 
 _E = TypeVar("_E", BigM, Constants)
 
@@ -78,6 +79,13 @@ class Model:
     def mld(self) -> Mld:
         """The mixed logical dynamical form with the default options."""
         return self._lowered_to_mld[0]
+
+    @cached_property
+    def pwa(self) -> Pwa:
+        """The piecewise affine form with the default options."""
+        from hysdel_py.lowering.modes import dha_to_pwa
+
+        return dha_to_pwa(self.dha)
 
     def simulate(
         self, x0: ArrayLike | Mapping[str, float], inputs: ArrayLike, *, ts: float | None = None, check: bool = True
@@ -164,12 +172,15 @@ def to_dha(model: Model, *, constants: str = "affine") -> Dha:
 
 
 def to_mld(
-    model: Model, *, big_m: str = "lp", constants: str = "affine", share: bool = False, compact: bool = False
+    model: Model | Pwa, *, big_m: str = "lp", constants: str = "affine", share: bool = False, compact: bool = False
 ) -> Mld:
     """Lower a model to the MLD form with options.
 
     Parameters
     ----------
+    model : Model or Pwa
+        A piecewise affine form becomes one Boolean for each hyperplane and each mode, and one real auxiliary for each
+        affine piece.
     big_m : {"interval", "lp"}
         Rule for the big-M constants: interval arithmetic over the declared ranges, as the original compiler does, or
         the least that linear programs over the rows of the model prove (``docs/tight-models.md``).
@@ -180,15 +191,26 @@ def to_mld(
     compact : bool
         Leave out rows that the others imply.
     """
-    _check_model(model)
     rule = _option(BigM, big_m, "big_m")
-    dha = to_dha(model, constants=constants)
-    mld = compiler.lower_to_mld(model.typed, merge_equal(dha).dha if share else dha, rule)[0]
+    mld = _lowered_to_mld(model, rule, constants=constants, share=share)
     if not compact:
         return mld
     from hysdel_py.lowering.redundancy import remove_redundant_rows  # scipy is loaded with it
 
     return remove_redundant_rows(mld).mld
+
+
+def _lowered_to_mld(model: Model | Pwa, rule: BigM, *, constants: str, share: bool) -> Mld:
+    from hysdel_py.systems.pwa import Pwa
+
+    if isinstance(model, Pwa):
+        from hysdel_py.lowering.modes_to_dha import pwa_to_dha
+
+        dha = pwa_to_dha(model)
+        return compiler.lower_dha_to_mld(merge_equal(dha).dha if share else dha, rule)
+    _check_model(model)
+    dha = to_dha(model, constants=constants)
+    return compiler.lower_to_mld(model.typed, merge_equal(dha).dha if share else dha, rule)[0]
 
 
 def audit(model: Model, *, constants: str = "affine") -> Audit:
@@ -209,6 +231,51 @@ def audit(model: Model, *, constants: str = "affine") -> Audit:
     dha = to_dha(model, constants=constants)
     found = compiler.lower_to_mld(model.typed, dha, BigM.LP)[1]
     return audit_dha(dha, (*model.diagnostics, *found))
+
+
+def to_pwa(
+    system: Model | Dha | Mld,
+    *,
+    split_booleans: bool = False,
+    max_modes: int | None = None,
+    progress: Callable[[int, int, int], None] | None = None,
+) -> Pwa:
+    """Find the modes of a system.
+
+    Parameters
+    ----------
+    system : Model, Dha or Mld
+        A model is explored through its Dha; an Mld, also one that was read from a file, through its rows alone.
+    split_booleans : bool
+        Give a value to every Boolean state and input in each mode, also to those that no region depends on.
+    max_modes : int, optional
+        Stop at this number of modes, 100 000 by default; ``is_complete`` of the result says whether that happened.
+    progress : callable, optional
+        Called at each mode with the modes so far, the cells that wait, and the linear programs so far.
+
+    Raises
+    ------
+    SimulationError
+        An auxiliary is used but never defined, an algebraic loop is singular, or the rows of an Mld leave a real
+        auxiliary open.
+    """
+    from hysdel_py.lowering.modes import MAX_MODES, dha_to_pwa
+    from hysdel_py.lowering.modes_of_mld import mld_to_pwa
+    from hysdel_py.systems.dha import Dha
+    from hysdel_py.systems.mld import Mld
+
+    most = MAX_MODES if max_modes is None else max_modes
+    if not isinstance(most, int) or most < 1:
+        raise ArgumentError(f"max_modes is {max_modes!r}: a positive whole number was expected")
+    match system:
+        case Model():
+            return dha_to_pwa(system.dha, split_booleans=split_booleans, max_modes=most, progress=progress)
+        case Dha():
+            return dha_to_pwa(system, split_booleans=split_booleans, max_modes=most, progress=progress)
+        case Mld():
+            return mld_to_pwa(system, split_booleans=split_booleans, max_modes=most, progress=progress)
+        case _:
+            raise ArgumentError(f"system is a {type(system).__name__}: a Model, Dha or Mld was expected")
 
 
 def _check_model(model: object) -> None:

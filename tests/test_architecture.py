@@ -30,7 +30,7 @@ MAY_IMPORT: dict[str, set[str]] = {
     "optimize": {"errors"},
     "geometry": {"errors"},
     "control": {"errors", "tolerances", "systems", "optimize", "geometry"},
-    "analysis": {"errors", "tolerances", "systems", "optimize", "geometry"},
+    "analysis": {"errors", "tolerances", "systems", "optimize", "geometry", "diagnostics", "syntax"},
     "drivetrain": {"errors", "tolerances", "optimize"},
     "export": {
         "errors",
@@ -42,6 +42,7 @@ MAY_IMPORT: dict[str, set[str]] = {
         "systems",
         "lowering",
         "compiler",
+        "geometry",
     },
     "plotting": {"errors", "systems"},
     "shipped": {"syntax"},

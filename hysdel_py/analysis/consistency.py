@@ -128,7 +128,7 @@ class Consistency:
         rows = [
             row for row, owner in zip(horizon.problem.rows, self._owner, strict=True) if owner < 0 or owner in elements
         ]
-        return Milp(low, high, horizon.problem.integer[:], rows)
+        return Milp(low, high, horizon.problem.integer[:], horizon.problem.size[:], rows)
 
     def around(self, consistent: Set, universe: Set, suspects: Set) -> Set:
         """Elements of a universe outside a maximal consistent set around a consistent one, if time allows.

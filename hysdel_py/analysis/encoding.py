@@ -8,11 +8,12 @@ threshold keeps away from its false side by a band of its own. Every row carries
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
 from math import inf, isfinite
 
 from hysdel_py.analysis.milp import Milp, Source
+from hysdel_py.analysis.tseitin import formula_variable
 from hysdel_py.errors import ArgumentError
 from hysdel_py.systems.affine import Affine
 from hysdel_py.systems.dha import (
@@ -25,16 +26,21 @@ from hysdel_py.systems.dha import (
     LogicRequirement,
     Switch,
 )
-from hysdel_py.systems.formula import Connective, Formula
 from hysdel_py.systems.signals import Variable
 
-__all__ = ["Places", "Step", "encode_step", "formula_variable", "ranges_by_definition", "shared_variables"]
+__all__ = [
+    "Distance", "Interval", "Places", "Ranges", "Step", "add_terms", "auxiliary_variables", "encode_items",
+    "encode_step", "formula_variable", "nothing", "ranges_by_definition", "shared_variables",
+]  # fmt: skip
 
 Interval = tuple[float, float]
 Places = Mapping[str, int]
+Ranges = Mapping[str, Interval]
 
 OUTWARDS = 1e-9
 """By how much ranges are widened, relative to their ends, so that rounding never cuts a point off."""
+
+UPDATES_AND_OUTPUTS = frozenset({"Continuous", "Automata", "Cont_output", "Logic_output"})
 
 
 @dataclass(frozen=True, slots=True)
@@ -55,7 +61,19 @@ class Step:
     outputs: Places
 
 
-def shared_variables(problem: Milp, variables: tuple[Variable, ...]) -> dict[str, int]:
+Distance = Callable[[Event], float]
+
+
+def _own_epsilon(event: Event) -> float:
+    return event.epsilon
+
+
+def nothing(event: Event) -> float:  # noqa: ARG001
+    """No distance: events may lie on their thresholds."""
+    return 0.0
+
+
+def shared_variables(problem: Milp, variables: Iterable[Variable]) -> dict[str, int]:
     """New variables of a problem with the declared ranges."""
     return {v.name: problem.boolean() if v.is_bool else problem.real(v.low, v.high) for v in variables}
 
@@ -66,9 +84,10 @@ def encode_step(
     given: Places,
     *,
     step: int = 0,
-    band: Callable[[Event], float] | None = None,
+    band: Distance = _own_epsilon,
+    below: Distance = nothing,
     leave_out: Callable[[DhaItem], bool] = lambda item: False,  # noqa: ARG005
-    ranges: Mapping[str, Interval] | None = None,
+    ranges: Ranges | None = None,
 ) -> Step:
     """Add the rows of one step.
 
@@ -83,6 +102,8 @@ def encode_step(
         Time, for the sources of the rows.
     band : callable, optional
         How far the form of an event is above zero where the event is false; its own epsilon by default.
+    below : callable, optional
+        How far it is below zero where the event is true; by default it may be zero.
     leave_out : callable, optional
         Items whose rows are not wanted; a variable that such an item defines is free within its range.
     ranges : mapping of name to interval, optional
@@ -92,66 +113,103 @@ def encode_step(
     Raises
     ------
     ArgumentError
-        If a variable that needs a finite range has none.
+        If a variable that needs a finite range has none, or an auxiliary is used and never defined.
     """
+    if dha.undefined_but_used:
+        names = ", ".join(dha.undefined_but_used)
+        raise ArgumentError(f"the auxiliary variable {names} is used but never defined: the model has no step")
     ranges = ranges_by_definition(dha) if ranges is None else ranges
-    values = dict(given)
-    for variable in (*dha.d, *dha.z):
-        low, high = _widened(ranges[variable.name])
-        values[variable.name] = problem.boolean() if variable.is_bool else problem.real(low, high)
+    values = {**given, **auxiliary_variables(problem, (*dha.d, *dha.z), ranges)}
     after = {v.name: problem.boolean() if v.is_bool else problem.real() for v in dha.x}
     outputs = {v.name: problem.boolean() if v.is_bool else problem.real() for v in dha.y}
-    targets = {**values, **after, **outputs}
-    rows = _StepRows(problem, ranges, values, step, band or (lambda event: event.epsilon))
-    for item in dha.items:
-        if not leave_out(item):
-            rows.add(item, targets)
-    for variable in (*dha.x, *dha.y):
+    chosen = [item for item in dha.items if not leave_out(item)]
+    encode_items(problem, chosen, values, ranges, results={**after, **outputs}, step=step, band=band, below=below)
+    for variable in (*dha.d, *dha.z, *dha.x, *dha.y):
         if variable.name not in dha.definitions:
-            problem.fix(targets[variable.name], 0.0)
+            problem.fix({**values, **after, **outputs}[variable.name], 0.0)
     return Step(values, after, outputs)
+
+
+def auxiliary_variables(problem: Milp, variables: Iterable[Variable], ranges: Ranges) -> dict[str, int]:
+    """New variables of a problem with the ranges that follow from the definitions."""
+    found = {}
+    for variable in variables:
+        low, high = _widened(ranges[variable.name])
+        found[variable.name] = problem.boolean() if variable.is_bool else problem.real(low, high)
+    return found
+
+
+def encode_items(
+    problem: Milp,
+    items: Iterable[DhaItem],
+    values: Places,
+    ranges: Ranges,
+    *,
+    results: Places | None = None,
+    step: int = 0,
+    band: Distance = _own_epsilon,
+    below: Distance = nothing,
+) -> None:
+    """Add the rows of some items.
+
+    Parameters
+    ----------
+    problem : Milp
+    items : iterable of DhaItem
+    values : mapping of name to number
+        Where the variables are that the items read, and the auxiliaries that they define.
+    ranges : mapping of name to interval
+        As :func:`ranges_by_definition` gives them.
+    results : mapping of name to number, optional
+        Where updated states and outputs are.
+    step, band, below
+        As for :func:`encode_step`.
+    """
+    rows = _StepRows(problem, ranges, values, step, (band, below))
+    for item in items:
+        rows.add(item, results or {})
 
 
 class _StepRows:
     """Writes the rows of items over the variables of one step."""
 
     def __init__(
-        self,
-        problem: Milp,
-        ranges: Mapping[str, Interval],
-        values: Places,
-        step: int,
-        band: Callable[[Event], float],
+        self, problem: Milp, ranges: Ranges, values: Places, step: int, distances: tuple[Distance, Distance]
     ) -> None:
         self._problem = problem
         self._ranges = ranges
         self._values = values
         self._step = step
-        self._band = band
+        self._band, self._below = distances
 
-    def add(self, item: DhaItem, targets: Places) -> None:
+    def add(self, item: DhaItem, results: Places) -> None:
         source = Source(item.origin, self._step)
         match item:
             case Event():
-                self._event(item, self._band(item), source)
+                self._event(item, source)
             case Switch():
                 self._switch(item, source)
-            case AffineEquation(name=name, value=value):
-                self._demand(value, {targets[name]: -1.0}, 0.0, 0.0, source)
+            case AffineEquation(value=value):
+                self._demand(value, {self._target(item, results): -1.0}, 0.0, 0.0, source)
             case AffineRequirement(value=value):
                 self._demand(value, {}, -inf, 0.0, source)
-            case LogicEquation(name=name, value=value):
+            case LogicEquation(value=value):
                 root = formula_variable(self._problem, value, self._values, source)
-                self._problem.row({root: 1.0, targets[name]: -1.0}, 0.0, 0.0, source)
+                terms = {root: 1.0}
+                add_terms(terms, self._target(item, results), -1.0)
+                self._problem.row(terms, 0.0, 0.0, source)
             case LogicRequirement(value=value):
                 self._problem.fix(formula_variable(self._problem, value, self._values, source), 1.0, source)
+
+    def _target(self, item: AffineEquation | LogicEquation, results: Places) -> int:
+        """A state has its name twice: before the step among the values, after it among the results."""
+        return results[item.name] if item.item in UPDATES_AND_OUTPUTS else self._values[item.name]
 
     def _demand(self, form: Affine, extra: Mapping[int, float], low: float, high: float, source: Source) -> None:
         """``low <= form + extra <= high``."""
         terms = dict(extra)
         for name, coefficient in form.terms:
-            place = self._values[name]
-            terms[place] = terms.get(place, 0.0) + coefficient
+            add_terms(terms, self._values[name], coefficient)
         self._problem.row(terms, low - form.constant, high - form.constant, source)
 
     def _range(self, form: Affine, name: str) -> Interval:
@@ -161,11 +219,12 @@ class _StepRows:
             raise ArgumentError(f"{', '.join(endless)} has no finite range, which the definition of {name} needs")
         return low, high
 
-    def _event(self, event: Event, band: float, source: Source) -> None:
+    def _event(self, event: Event, source: Source) -> None:
         low, high = self._range(event.form, event.name)
+        above, below = self._band(event), self._below(event)
         d = self._values[event.name]
-        self._demand(event.form, {d: high}, -inf, high, source)
-        self._demand(event.form, {d: band - low}, band, inf, source)
+        self._demand(event.form, {d: high + below}, -inf, high, source)
+        self._demand(event.form, {d: above - low}, above, inf, source)
 
     def _switch(self, switch: Switch, source: Source) -> None:
         z, s = self._values[switch.name], self._values[switch.condition.name]
@@ -184,73 +243,9 @@ class _StepRows:
                 self._demand(form, {z: -1.0, s: -least}, 0.0, inf, source)
 
 
-def formula_variable(problem: Milp, formula: Formula, values: Places, source: Source) -> int:
-    """A variable that is 1 where a formula over Booleans holds and 0 elsewhere."""
-    stack: list[int] = []
-    for entry in formula.postfix:
-        match entry:
-            case str():
-                stack.append(values[entry])
-            case bool():
-                stack.append(problem.real(float(entry), float(entry)))
-            case Connective.NOT:
-                stack.append(_negation(problem, stack.pop(), source))
-            case _:
-                right, left = stack.pop(), stack.pop()
-                stack.append(_connected(problem, entry, left, right, source))
-    return stack[0]
-
-
-def _negation(problem: Milp, a: int, source: Source) -> int:
-    c = problem.real(0.0, 1.0)
-    problem.row({c: 1.0, a: 1.0}, 1.0, 1.0, source)
-    return c
-
-
-def _connected(problem: Milp, connective: Connective, left: int, right: int, source: Source) -> int:
-    match connective:
-        case Connective.AND:
-            return _conjunction(problem, left, right, source)
-        case Connective.OR:
-            return _disjunction(problem, left, right, source)
-        case Connective.IMPLIES:
-            return _disjunction(problem, _negation(problem, left, source), right, source)
-        case Connective.IMPLIED_BY:
-            return _disjunction(problem, left, _negation(problem, right, source), source)
-        case _:
-            return _equivalence(problem, left, right, source)
-
-
-def _add(terms: Mapping[int, float], variable: int, coefficient: float) -> dict[int, float]:
-    return {**terms, variable: terms.get(variable, 0.0) + coefficient}
-
-
-def _conjunction(problem: Milp, a: int, b: int, source: Source) -> int:
-    c = problem.real(0.0, 1.0)
-    problem.row({c: 1.0, a: -1.0}, high=0.0, source=source)
-    problem.row({c: 1.0, b: -1.0}, high=0.0, source=source)
-    problem.row(_add({c: 1.0, a: -1.0}, b, -1.0), low=-1.0, source=source)
-    return c
-
-
-def _disjunction(problem: Milp, a: int, b: int, source: Source) -> int:
-    c = problem.real(0.0, 1.0)
-    problem.row({c: 1.0, a: -1.0}, low=0.0, source=source)
-    problem.row({c: 1.0, b: -1.0}, low=0.0, source=source)
-    problem.row(_add({c: 1.0, a: -1.0}, b, -1.0), high=0.0, source=source)
-    return c
-
-
-def _equivalence(problem: Milp, a: int, b: int, source: Source) -> int:
-    c = problem.real(0.0, 1.0)
-    if a == b:
-        problem.fix(c, 1.0, source)
-        return c
-    problem.row({c: 1.0, a: -1.0, b: -1.0}, low=-1.0, source=source)
-    problem.row({c: 1.0, a: 1.0, b: 1.0}, low=1.0, source=source)
-    problem.row({c: 1.0, a: 1.0, b: -1.0}, high=1.0, source=source)
-    problem.row({c: 1.0, a: -1.0, b: 1.0}, high=1.0, source=source)
-    return c
+def add_terms(terms: dict[int, float], variable: int, coefficient: float) -> None:
+    """Add to the coefficient of a variable."""
+    terms[variable] = terms.get(variable, 0.0) + coefficient
 
 
 def ranges_by_definition(dha: Dha) -> dict[str, Interval]:

@@ -6,10 +6,13 @@ import argparse
 import sys
 from collections.abc import Iterable
 from dataclasses import dataclass, replace
+from math import inf
 from typing import Any
 
+from hysdel_py.analysis.well_posed import WellPosedness, well_posed
 from hysdel_py.cli.arguments import add_parameters, load_model
 from hysdel_py.cli.output import print_json
+from hysdel_py.cli.verify import seconds_of
 from hysdel_py.diagnostics.codes import Code
 from hysdel_py.diagnostics.diagnostic import Diagnostic, Severity
 from hysdel_py.diagnostics.explain import explain
@@ -29,6 +32,7 @@ examples:
   hysdel check model.hys
   hysdel check *.hys --strict
   hysdel check model.hys --param ts=0.01 --format json
+  hysdel check model.hys --deep
   hysdel check model.hys -W HYS525 --ignore HYS501
 
 Parameters without a value do not fail the check; what can be checked without them is.
@@ -51,6 +55,12 @@ def add_parser(commands: argparse._SubParsersAction[argparse.ArgumentParser]) ->
     add_parameters(parser)
     parser.add_argument("--format", choices=("text", "json", "sarif"), default="text", help="form of the report")
     parser.add_argument("--json", dest="format", action="store_const", const="json", help="the same as --format json")
+    parser.add_argument(
+        "--deep", action="store_true", help="search all states and inputs for what is probably not meant, too"
+    )
+    parser.add_argument(
+        "--seconds", type=float, default=inf, metavar="T", help="time limit of --deep for each file (default none)"
+    )
     parser.add_argument("--strict", action="store_true", help="warnings fail the check")
     parser.add_argument(
         "-W", dest="warn", metavar="CODE", action="append", default=[], help="show notes of this code as warnings"
@@ -68,6 +78,7 @@ class _Report:
     source: Source
     model: Model | None
     diagnostics: tuple[Diagnostic, ...]
+    deep: WellPosedness | None = None
 
     def has(self, severity: Severity) -> bool:
         return any(d.severity is severity for d in self.diagnostics)
@@ -92,15 +103,17 @@ def _codes(texts: Iterable[str]) -> set[Code]:
 
 
 def _check(file: str, options: argparse.Namespace) -> _Report:
-    model = None
+    model, deep = None, None
     try:
         model = load_model(argparse.Namespace(file=file, param=options.param, search_path=options.search_path))
         if not missing_parameters(model.typed, model.parameters):
             _ = model.mld  # lowering finds the mistakes that need numbers
+            deep = well_posed(model, seconds=seconds_of(options)) if options.deep else None
     except CompileError as error:
         earlier = () if model is None else model.diagnostics
         return _Report(error.source, None, tuple(dict.fromkeys((*earlier, *error.diagnostics))))
-    return _Report(model.typed.source, model, model.diagnostics)
+    searched = deep.diagnostics if deep is not None else ()
+    return _Report(model.typed.source, model, (*model.diagnostics, *searched), deep)
 
 
 def _chosen(report: _Report, raised: set[Code], ignored: set[Code]) -> _Report:
@@ -123,6 +136,7 @@ def _print_text(reports: list[_Report]) -> None:
             print("\n".join(render(d, report.source) for d in shown), end=end, file=sys.stderr)
         if report.model is not None:
             print(_sentence(report, report.model))
+            print("".join(f"not settled: {question}\n" for question in _unsettled(report)), end="")
         elif len(reports) > 1:
             errors = (
                 len(report.diagnostics) - report.warnings - sum(d.severity is Severity.NOTE for d in report.diagnostics)
@@ -135,6 +149,23 @@ def _print_json(reports: list[_Report]) -> None:
     found = [_summary(report) | {"diagnostics": [as_data(d, report.source) for d in report.diagnostics]}
              for report in reports]  # fmt: skip
     print_json(found[0] if len(found) == 1 else found)
+
+
+def _unsettled(report: _Report) -> tuple[str, ...]:
+    """What the search of --deep left open."""
+    return report.deep.unsettled if report.deep is not None else ()
+
+
+def _deep_data(report: _Report) -> dict[str, Any]:
+    """Points that show what --deep found, and what it left open."""
+    if report.deep is None:
+        return {}
+    found = [
+        {"code": f.diagnostic.code.value, "message": f.diagnostic.message,
+         "point": None if f.point is None else f.point.as_data()}
+        for f in report.deep.findings
+    ]  # fmt: skip
+    return {"deep": {"findings": found, "unsettled": list(report.deep.unsettled)}}
 
 
 def _print_sarif(reports: list[_Report]) -> None:
@@ -151,7 +182,8 @@ def _summary(report: _Report) -> dict[str, Any]:
         return {"file": report.source.name, "error": "the model has mistakes"}
     missing = _missing(model)
     sizes = {} if missing else {f"n{key}": getattr(model.mld, f"n{key}") for key in ("x", "u", "y", "d", "z", "e")}
-    return {"name": model.name, "file": report.source.name, "missing_parameters": missing, **sizes}
+    named = {"name": model.name, "file": report.source.name, "missing_parameters": missing}
+    return named | sizes | _deep_data(report)
 
 
 def _sentence(report: _Report, model: Model) -> str:

@@ -9,6 +9,7 @@ from pathlib import Path
 import numpy as np
 
 from hysdel_py.cli.arguments import add_model, add_output, load_model
+from hysdel_py.cli.compile_pwa import compile_pwa
 from hysdel_py.cli.output import check_target, print_json
 from hysdel_py.cli.writers import FORMATS, find_writer
 from hysdel_py.export.matrices import mld_to_dict
@@ -25,6 +26,8 @@ examples:
   hysdel compile model.hys -o model.mat         write matrices for MATLAB and Octave
   hysdel compile model.hys -o model.m           write the script that HYSDEL 2.0.5 writes
   hysdel compile model.hys -o step.py           write a simulator that needs nothing but Python
+  hysdel compile model.hys --form pwa -o model.json   write the modes of the piecewise affine form
+  hysdel compile model.hys --form pwa -o modes.hys    write them as a model: thresholds, modes, affine pieces
   hysdel compile model.hys --param ts=0.01 --constants aux
 """
 
@@ -44,6 +47,8 @@ def add_parser(commands: argparse._SubParsersAction[argparse.ArgumentParser]) ->
     parser.add_argument(
         "-o", "--output", metavar="PATH", help=f"write a file ({', '.join(FORMATS)}) instead of the listing"
     )
+    parser.add_argument("--form", choices=["mld", "pwa"], default="mld", help="which form is written (default mld)")
+    parser.add_argument("--merge", action="store_true", help="with --form pwa: join modes that do the same")
     parser.add_argument("--big-m", choices=["lp", "interval"], default="lp",
         help="rule for the big-M constants: linear programs (default), or interval arithmetic as HYSDEL 2.0.5",
     )  # fmt: skip
@@ -61,6 +66,8 @@ def add_parser(commands: argparse._SubParsersAction[argparse.ArgumentParser]) ->
 
 def run(options: argparse.Namespace) -> int:
     """Run the command."""
+    if options.form == "pwa":
+        return compile_pwa(options)
     writer = find_writer(options.output) if options.output else None
     if options.output:
         check_target(Path(options.output), "--output")

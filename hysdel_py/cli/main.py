@@ -7,22 +7,9 @@ import os
 import sys
 from collections.abc import Sequence
 from contextlib import suppress
+from importlib import import_module
 
-from hysdel_py.cli import (
-    audit,
-    check,
-    compile,
-    demo,
-    drop_in,
-    explain,
-    explain_infeasible,
-    fmt,
-    lsp,
-    mpc,
-    simulate,
-    solve,
-    stubs,
-)
+from hysdel_py.cli import drop_in
 from hysdel_py.cli.arguments import join_negative_values
 from hysdel_py.cli.output import print_json
 from hysdel_py.errors import ArgumentError, CompileError, HysdelError
@@ -32,6 +19,26 @@ __all__ = ["build_parser", "main"]
 
 FINE, MISTAKE, USAGE, FAULT = 0, 1, 2, 3
 
+COMMANDS = (
+    "check",
+    "explain",
+    "audit",
+    "verify",
+    "diff",
+    "compile",
+    "show",
+    "graph",
+    "simulate",
+    "mpc",
+    "explain_infeasible",
+    "solve",
+    "demo",
+    "fmt",
+    "stubs",
+    "lsp",
+)
+"""Modules of the commands in the order of the help."""
+
 _DESCRIPTION = "Compile, simulate and control hybrid systems that are written in .hys files."
 _EPILOG = """\
 examples:
@@ -39,15 +46,18 @@ examples:
   hysdel check model.hys                    find mistakes
   hysdel explain HYS302                     what a diagnostic means
   hysdel compile model.hys -o model.json    write the MLD matrices
-  hysdel audit model.hys                    which ranges make it loose
+  hysdel audit two_tanks                    big-M constants, and the ranges that make them large
+  hysdel show two_tanks --form pwa          the modes of the piecewise affine form
   hysdel simulate two_tanks --x0 0.1,0.2 --input 1e-4,1
+  hysdel verify model.hys                   show that the matrices have the steps of the model
+  hysdel diff old.hys new.hys               where two models differ, with a point that shows it
   hysdel fmt model.hys                      bring it into the canonical layout
   hysdel mpc two_tanks --x0 0.1,0.4 --horizon 6 --weight level2=10 --ref level2=0.3
 
 Each command has its own help: hysdel simulate --help
 A shipped model can be named without a path: clutch, three_tanks, two_rooms, two_tanks.
 exit status: 0 fine, 1 the model or the data has a mistake or a run ended early, 2 wrong usage,
-3 a fault of this program, 4 not settled (explain-infeasible)
+3 a fault of this program, 4 not settled (verify, diff, explain-infeasible)
 
 The command line of HYSDEL 2.0.5 is understood as well: hysdel -i model.hys -m model -5; see docs/drop-in.md
 """
@@ -63,8 +73,8 @@ def build_parser() -> argparse.ArgumentParser:
     )
     parser.add_argument("--version", action="version", version=f"hysdel_py {__version__}")
     commands = parser.add_subparsers(dest="command", metavar="COMMAND")
-    for command in (check, explain, audit, compile, simulate, mpc, explain_infeasible, solve, demo, fmt, stubs, lsp):
-        command.add_parser(commands)
+    for name in COMMANDS:
+        import_module(f"hysdel_py.cli.{name}").add_parser(commands)
     return parser
 
 

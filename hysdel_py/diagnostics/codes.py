@@ -68,6 +68,14 @@ class Code(Enum):
     NOT_A_NUMBER = "HYS530"
     ASSUMED_BOUNDS = "HYS531"
     DEAD_BRANCH = "HYS540"
+    # what only a search over all states and inputs shows (check --deep)
+    STEP_FORBIDDEN = "HYS541"
+    NOT_UNIQUE = "HYS542"
+    EVENT_CONSTANT = "HYS543"
+    BRANCH_UNREACHABLE = "HYS544"
+    NOTHING_ALLOWED = "HYS545"
+    MUST_IMPLIED = "HYS546"
+    LEAVES_RANGE = "HYS547"
     # what HYSDEL 2.0.5 would refuse or get wrong
     EXTENSION = "HYS901"
     # vectors, loops and modules

@@ -23,8 +23,8 @@ from hysdel_py.systems.signals import Variable
 from hysdel_py.systems.symbolic_mld import MATRICES, SymbolicMld
 
 __all__ = [
-    "MATRICES", "SCHEMA", "dense", "json_text", "mld_to_dict", "nonzeros", "row_text", "write_json", "write_mat",
-    "write_npz",
+    "MATRICES", "SCHEMA", "dense", "json_text", "mld_to_dict", "nonzeros", "row_text", "variable_data", "write_json",
+    "write_mat", "write_npz",
 ]  # fmt: skip
 
 SCHEMA = "hysdel_py/mld/1"
@@ -49,7 +49,7 @@ def _head(mld: Mld) -> dict[str, Any]:
         "form": "x+ = A x + B1 u + B2 d + B3 z + B5; y = C x + D1 u + D2 d + D3 z + D5; "
         "E2 d + E3 z <= E1 u + E4 x + E5",
         "sizes": {key: getattr(mld, f"n{key}") for key in ("x", "u", "y", "d", "z", "e")},
-        "variables": {key: [_variable(v) for v in getattr(mld, key)] for key in ("x", "u", "y", "d", "z")},
+        "variables": {key: [variable_data(v) for v in getattr(mld, key)] for key in ("x", "u", "y", "d", "z")},
     }
 
 
@@ -88,7 +88,8 @@ def row_text(entries: list[tuple[int, float]], count: int, zero: str, text: Call
     return "".join((*pieces, zero * (count - written)))
 
 
-def _variable(variable: Variable) -> dict[str, Any]:
+def variable_data(variable: Variable) -> dict[str, Any]:
+    """Plain data of a variable."""
     return {
         "name": variable.name,
         "type": variable.type.value,

@@ -20,7 +20,7 @@ from hysdel_py.systems.signals import Kind, Type, Variable
 from hysdel_py.systems.symbolic_mld import MATRICES
 from hysdel_py.tolerances import Tolerances
 
-__all__ = ["mld_from_dict", "read_json", "read_mat", "read_npz"]
+__all__ = ["json_data", "mld_from_dict", "read_json", "read_mat", "read_npz", "variable_of"]
 
 Path_ = str | os.PathLike[str]
 
@@ -35,7 +35,7 @@ def mld_from_dict(data: Mapping[str, Any]) -> Mld:
     """
     _check_schema(data)
     try:
-        groups = {kind.value: tuple(_variable(v, kind) for v in data["variables"][kind.value]) for kind in Kind}
+        groups = {kind.value: tuple(variable_of(v, kind) for v in data["variables"][kind.value]) for kind in Kind}
         matrices = {name: _matrix(data[name], shape) for name, shape in _shapes(data["sizes"]).items()}
         origins = {key: tuple(_origin(row) for row in data[key]) for key in ("rows", "updates", "outputs")}
         return _mld(data, groups, matrices, origins)
@@ -51,11 +51,21 @@ def read_json(path: Path_) -> Mld:
     ArgumentError
         It holds something else.
     """
+    return mld_from_dict(json_data(path))
+
+
+def json_data(path: Path_) -> Any:
+    """What a JSON file holds.
+
+    Raises
+    ------
+    ArgumentError
+        It is no JSON file.
+    """
     try:
-        data = json.loads(Path(path).read_text(encoding="utf-8"))
+        return json.loads(Path(path).read_text(encoding="utf-8"))
     except ValueError:
         raise ArgumentError(f"{os.fspath(path)} is not a JSON file") from None
-    return mld_from_dict(data)
 
 
 def read_npz(path: Path_) -> Mld:
@@ -138,7 +148,8 @@ def _mld(
     )
 
 
-def _variable(data: Mapping[str, Any], kind: Kind) -> Variable:
+def variable_of(data: Mapping[str, Any], kind: Kind) -> Variable:
+    """Variable of its plain data."""
     return Variable(
         data["name"],
         Type(data["type"]),

@@ -81,7 +81,14 @@ class LpResult:
 
 
 def maximise(
-    c: ArrayLike, A: Any, b: ArrayLike, lb: ArrayLike, ub: ArrayLike, *, precision: Precision = DEFAULT_PRECISION
+    c: ArrayLike,
+    A: Any,
+    b: ArrayLike,
+    lb: ArrayLike,
+    ub: ArrayLike,
+    *,
+    precision: Precision = DEFAULT_PRECISION,
+    vertex: bool = False,
 ) -> LpResult:
     """Solve a linear program.
 
@@ -93,13 +100,15 @@ def maximise(
         An infinite side is a row that never matters.
     lb, ub : array_like of shape (n,)
         May be infinite.
+    vertex : bool
+        Ask HiGHS for a vertex at once, whose active rows hold to the last digits.
     """
     lp = Lp(np.asarray(c, dtype=float), A, *(np.asarray(side, dtype=float) for side in (b, lb, ub)))
     if np.any(lp.lb > lp.ub):
         return _nothing(lp, LpStatus.INFEASIBLE, -np.inf)
     if not len(lp.c):
         return _without_variables(lp)
-    answer = _with_piqp(lp, precision) if A.shape[0] * A.shape[1] <= DENSE_UP_TO else None
+    answer = _with_piqp(lp, precision) if not vertex and A.shape[0] * A.shape[1] <= DENSE_UP_TO else None
     return _with_highs(lp) if answer is None else answer
 
 

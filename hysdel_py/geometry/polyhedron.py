@@ -9,8 +9,10 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from hysdel_py.errors import ArgumentError
-from hysdel_py.geometry.lp import LpResult, maximise
+from hysdel_py.geometry.lp import LpResult, LpStatus, maximise
 from hysdel_py.geometry.precision import DEFAULT_PRECISION, Precision
+from hysdel_py.geometry.redundancy import irredundant_rows
+from hysdel_py.geometry.solver import LpSolver
 
 __all__ = ["Ball", "Polyhedron"]
 
@@ -122,8 +124,9 @@ class Polyhedron:
         if not len(h) or not self.n:
             return Ball(np.zeros(self.n), _LARGEST_RADIUS)
         rows = np.column_stack([G / lengths[:, None], np.ones(len(h))])
-        bound = np.append(np.full(self.n, np.inf), _LARGEST_RADIUS)
-        answer = maximise(np.append(np.zeros(self.n), 1.0), rows, h / lengths, -bound, bound, precision=self.precision)
+        answer = _largest(rows, h / lengths, np.inf, self.precision)
+        if answer.status is LpStatus.UNBOUNDED:
+            answer = _largest(rows, h / lengths, _LARGEST_RADIUS, self.precision)
         return Ball(answer.w[:-1], float(answer.w[-1])) if answer.is_optimal else Ball(np.zeros(self.n), -np.inf)
 
     @property
@@ -144,29 +147,10 @@ class Polyhedron:
         return low, np.array([self.maximise(row).value for row in eye])
 
     def irredundant_rows(self) -> tuple[int, ...]:
-        """Rows without which the polyhedron would be larger, in their order; of equal rows the first.
-
-        A row is redundant when it is not exceeded without it (one linear program for each row that rays from the
-        centre do not hit first).
-        """
-        keep = _distinct_rows(self)
-        needed = _hit_by_rays(self, keep)
-        for row in [r for r in keep if r not in needed]:
-            others = [r for r in keep if r != row]
-            if self._exceeds(row, others):
-                needed.add(row)
-            else:
-                keep = others
-        return tuple(sorted(needed))
-
-    def _exceeds(self, row: int, others: list[int]) -> bool:
-        """Whether a row cuts something off that the others allow."""
-        length = self.lengths[row]
-        A = np.vstack([self.A[others], self.A[row]])
-        b = np.append(self.b[others], self.b[row] + length)  # moved outwards, so that the program stays bounded
-        free = np.full(self.n, np.inf)
-        answer = maximise(self.A[row], A, b, -free, free, precision=self.precision)
-        return not answer.is_optimal or answer.value > self.b[row] + self.precision.redundant * length
+        """Rows without which the polyhedron would be larger, in their order; of equal rows the first."""
+        ball = self.ball
+        inside = ball.centre[None] if ball.radius > self.precision.empty else np.zeros((0, self.n))
+        return irredundant_rows(self.A, self.b, inside, LpSolver(self.precision))
 
     def minimal(self) -> Polyhedron:
         """The same set with irredundant rows only."""
@@ -174,32 +158,7 @@ class Polyhedron:
         return Polyhedron(self.A[rows], self.b[rows], self.precision)
 
 
-def _distinct_rows(polyhedron: Polyhedron) -> list[int]:
-    """Rows that matter at all: of parallel rows the tightest, the first of equal ones."""
-    best: dict[tuple[float, ...], int] = {}
-    for row in range(polyhedron.m):
-        length = polyhedron.lengths[row]
-        if length == 0 or not np.isfinite(polyhedron.b[row]):
-            continue
-        key = tuple(np.round(polyhedron.A[row] / length, 12) + 0.0)
-        rival = best.get(key)
-        side = polyhedron.b[row] / length
-        if rival is None or side < polyhedron.b[rival] / polyhedron.lengths[rival] - 1e-15 * abs(side):
-            best[key] = row
-    return sorted(best.values())
-
-
-def _hit_by_rays(polyhedron: Polyhedron, rows: list[int]) -> set[int]:
-    """Rows that a ray from the centre along some row's normal meets first, and no other row nearly as soon."""
-    ball = polyhedron.ball
-    if ball.radius <= polyhedron.precision.empty or not rows:
-        return set()
-    G = polyhedron.A[rows] / polyhedron.lengths[rows, None]
-    distance = polyhedron.b[rows] / polyhedron.lengths[rows] - G @ ball.centre
-    speed = G @ G.T
-    with np.errstate(divide="ignore"):
-        times = np.where(speed > 0, distance[:, None] / np.where(speed > 0, speed, 1.0), np.inf)
-    order = np.sort(times, axis=0)
-    first = np.argmin(times, axis=0)
-    clear = order[1] > order[0] * (1 + 1e-6) if len(rows) > 1 else np.ones(1, dtype=bool)
-    return {rows[f] for f, ok in zip(first, clear, strict=True) if ok}
+def _largest(rows: Matrix, sides: Vector, radius: float, precision: Precision) -> LpResult:
+    """Centre and radius of a greatest ball whose radius is bounded."""
+    free = np.append(np.full(rows.shape[1] - 1, np.inf), radius)
+    return maximise(np.append(np.zeros(len(free) - 1), 1.0), rows, sides, -free, free, precision=precision)

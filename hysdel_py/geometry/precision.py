@@ -21,11 +21,21 @@ class Precision:
         this is flat. It must stay below half the gap of a threshold over the length of its normal.
     redundant : float
         A row that is exceeded by less than this (for a normal of unit length) without it is redundant.
+    touch : float
+        A set whose rows can all be met up to this much, in their own units, has a point. It must stay well below the
+        gap of a threshold.
+    interior : float
+        A ball of this radius, relative to the ranges of the coordinates, proves that a set has inner points.
+    parallel : float
+        Unit normals that differ by less than this belong to parallel rows.
     """
 
     lp: float = 1e-9
     empty: float = 1e-8
     redundant: float = 1e-9
+    touch: float = 1e-9
+    interior: float = 1e-6
+    parallel: float = 1e-12
 
 
 DEFAULT_PRECISION = Precision()

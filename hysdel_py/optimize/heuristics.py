@@ -13,6 +13,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from hysdel_py.optimize.compiled_propagation import CompiledPropagator
 from hysdel_py.optimize.mixed_integer import Miqp
 from hysdel_py.optimize.propagation import Box, Propagator
 
@@ -29,7 +30,7 @@ class Guesser:
 
     Attributes
     ----------
-    propagator : Propagator
+    propagator : Propagator or CompiledPropagator
     binaries : array of int
     groups : tuple of arrays of int
         The binaries by rising priority.
@@ -37,13 +38,13 @@ class Guesser:
         Real variables that settle most others.
     """
 
-    propagator: Propagator
+    propagator: Propagator | CompiledPropagator
     binaries: Indices
     groups: tuple[Indices, ...]
     drivers: Indices
 
     @classmethod
-    def of(cls, miqp: Miqp, propagator: Propagator) -> Guesser:
+    def of(cls, miqp: Miqp, propagator: Propagator | CompiledPropagator) -> Guesser:
         """Prepare the guesses of a problem."""
         groups = tuple(miqp.binaries[miqp.priorities == value] for value in np.unique(miqp.priorities))
         return cls(propagator, miqp.binaries, groups, miqp.drivers)

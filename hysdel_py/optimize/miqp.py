@@ -21,9 +21,10 @@ from numpy.typing import ArrayLike, NDArray
 
 from hysdel_py.errors import ArgumentError
 from hysdel_py.optimize.backends.registry import get_backend
+from hysdel_py.optimize.compiled_propagation import propagator
+from hysdel_py.optimize.dense import dense_engine
 from hysdel_py.optimize.heuristics import Guesser
 from hysdel_py.optimize.mixed_integer import Miqp, MiqpResult, MiqpSettings, MiqpStatus, SearchInfo
-from hysdel_py.optimize.propagation import Propagator
 from hysdel_py.optimize.qp import Qp
 from hysdel_py.optimize.search import Search
 from hysdel_py.optimize.verified import VerifiedSolver
@@ -53,8 +54,10 @@ class MiqpSolver:
         self.miqp = miqp
         self.settings = settings or MiqpSettings()
         get_backend(self.settings.backend, self.settings.qp)
-        self.verified = VerifiedSolver(miqp.qp, self.settings.backend, self.settings.qp)
-        self.propagator = Propagator(miqp.qp.A, miqp.binaries, self.settings.propagation)
+        self.verified = VerifiedSolver(
+            miqp.qp, self.settings.backend, self.settings.qp, dense=dense_engine(miqp, self.settings.engine)
+        )
+        self.propagator = propagator(miqp.qp.A, miqp.binaries, self.settings.propagation)
         self.guesser = Guesser.of(miqp, self.propagator)
 
     def solve(

@@ -22,6 +22,9 @@ Vector = NDArray[np.float64]
 Indices = NDArray[np.intp]
 
 
+ENGINES = ("auto", "dense", "sparse")
+
+
 class MiqpStatus(Enum):
     """How the search ended."""
 
@@ -73,8 +76,11 @@ class MiqpSettings:
 
     Attributes
     ----------
+    engine : {"auto", "dense", "sparse"}
+        What solves the relaxations first: the dense kernels or the back end. ``"auto"`` takes the kernels where they
+        are compiled. What one cannot settle goes to the other.
     backend : {"piqp", "osqp"}
-        Solver of the relaxations; the other one gives the second opinion.
+        Sparse solver of the relaxations; the other one gives the second opinion.
     gap_abs, gap_rel : float
         The search ends once the objective is proven to be within the larger of ``gap_abs`` and
         ``gap_rel * |objective|`` of the optimum.
@@ -92,6 +98,7 @@ class MiqpSettings:
     propagation : PropagationSettings
     """
 
+    engine: str = "auto"
     backend: str = "piqp"
     gap_abs: float = 1e-6
     gap_rel: float = 1e-6
@@ -104,6 +111,8 @@ class MiqpSettings:
     propagation: PropagationSettings = field(default_factory=PropagationSettings)
 
     def __post_init__(self) -> None:
+        if self.engine not in ENGINES:
+            raise ArgumentError(f"engine is {self.engine!r}: one of {', '.join(map(repr, ENGINES))} was expected")
         for name in ("gap_abs", "gap_rel", "time_limit", "node_limit", "rounding"):
             if not (isinstance(getattr(self, name), Real) and getattr(self, name) >= 0):
                 raise ArgumentError(f"{name} is {getattr(self, name)!r}: a number that is not negative was expected")

@@ -19,7 +19,7 @@ from hysdel_py.errors import ArgumentError
 from hysdel_py.optimize.mixed_integer import MiqpResult, MiqpSettings, MiqpStatus, SearchInfo
 from hysdel_py.optimize.propagation import Box
 from hysdel_py.optimize.qp import Qp, objective_value, violation
-from hysdel_py.optimize.verified import Verdict
+from hysdel_py.optimize.verified import Start, Verdict
 
 if TYPE_CHECKING:
     from hysdel_py.optimize.miqp import MiqpSolver
@@ -44,8 +44,8 @@ class Node:
     bound : float
         Certified lower bound of the parent.
     depth : int
-    guess : pair of arrays, or None
-        x and y of the parent's relaxation.
+    guess : Start or None
+        From the parent's relaxation.
     """
 
     box: Box
@@ -53,7 +53,7 @@ class Node:
     value: float
     bound: float
     depth: int
-    guess: tuple[Vector, Vector] | None
+    guess: Start | None
 
 
 class Search:
@@ -119,13 +119,13 @@ class Search:
         lb[node.variable] = ub[node.variable] = node.value
         return self._propagate(lb, ub, np.array([node.variable]))
 
-    def relax(self, box: Box, guess: tuple[Vector, Vector] | None) -> Verdict:
+    def relax(self, box: Box, guess: Start | None) -> Verdict:
         """Solve the relaxation; the certificates use the implied bounds, the solver only those of the binaries."""
         return self.solver.verified.solve(
             self._within(box), (box.lb, box.ub), guess, self._enough_to_branch, thorough=False
         )
 
-    def settle(self, box: Box, guess: tuple[Vector, Vector] | None = None) -> float:
+    def settle(self, box: Box, guess: Start | None = None) -> float:
         """Solve with all binaries fixed, keep the point if it is better; return a certified lower bound."""
         key = (box.lb[self.binaries] + 0.0).tobytes()
         if key not in self.leaves:
@@ -145,7 +145,7 @@ class Search:
 
     def branch(self, node: Node, box: Box, verdict: Verdict, bound: float) -> None:
         """Split at the binary of the lowest priority that is not integral, the nearer value to be visited first."""
-        x, guess = verdict.answer.x, (verdict.answer.x, verdict.answer.y)
+        x, guess = verdict.answer.x, verdict.start
         variable = self._branching_variable(box, x)
         near = 1.0 if x[variable] > 0.5 else 0.0
         for value in (1.0 - near, near):
@@ -238,7 +238,7 @@ class Search:
         lb[at], ub[at] = box.lb[at], box.ub[at]
         return self.qp.with_vectors(lb=lb, ub=ub)
 
-    def _settle(self, box: Box, guess: tuple[Vector, Vector] | None) -> float:
+    def _settle(self, box: Box, guess: Start | None) -> float:
         qp = self._within(box)
         verdict = self.solver.verified.solve(qp, (box.lb, box.ub), guess, self._enough_to_settle)
         if verdict.infeasible:

@@ -18,16 +18,26 @@ from hysdel_py.optimize.backends.answer import checked_result
 from hysdel_py.optimize.backends.protocol import QpWorkspace
 from hysdel_py.optimize.backends.registry import BACKENDS, get_backend
 from hysdel_py.optimize.certificate import Certifier, spare_curvature
+from hysdel_py.optimize.dense import Active, DenseSolver
 from hysdel_py.optimize.phase_one import elastic_phase_one, recession_direction
 from hysdel_py.optimize.qp import Qp, QpResult, QpSettings, QpStatus, violation
 from hysdel_py.optimize.reduction import Reducer
 
-__all__ = ["Verdict", "VerifiedSolver", "solve_qp"]
+__all__ = ["Start", "Verdict", "VerifiedSolver", "solve_qp"]
 
 Vector = NDArray[np.float64]
 
 REDUCE_FROM = 0.3
 """Share of fixed variables from which the reduced problem is the first to be solved."""
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class Start:
+    """What is known of a similar problem: a point, multipliers of the rows, and the active rows of the dense solver."""
+
+    x: Vector
+    y: Vector
+    active: Active | None = None
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -40,10 +50,18 @@ class Verdict:
         Of the solver whose word counts; INFEASIBLE and UNBOUNDED are proven, OPTIMAL has small residuals.
     bound : float
         Certified lower bound of the objective: infinite for a proven infeasible problem.
+    active : array or None
+        Active rows, where the dense solver gave the answer.
     """
 
     answer: QpResult
     bound: float
+    active: Active | None = None
+
+    @property
+    def start(self) -> Start:
+        """Start for a similar problem."""
+        return Start(self.answer.x, self.answer.y, self.active)
 
     @property
     def infeasible(self) -> bool:
@@ -75,6 +93,8 @@ class VerifiedSolver:
         Number of quadratic programs solved so far, by any back end.
     open_space : callable, optional
         Makes the work space of a back end for a problem; the registry's by default.
+    dense : DenseSolver, optional
+        Asked before the back ends.
     """
 
     qp: Qp
@@ -82,6 +102,7 @@ class VerifiedSolver:
     settings: QpSettings
     solves: int = 0
     open_space: Callable[[str, Qp], QpWorkspace] | None = None
+    dense: DenseSolver | None = None
     _spaces: dict[str, QpWorkspace] = field(default_factory=dict)
     _certifiers: dict[bytes, Certifier] = field(default_factory=dict)
     _reduction: Reducer | None = None
@@ -90,7 +111,7 @@ class VerifiedSolver:
         self,
         qp: Qp,
         box: tuple[Vector, Vector] | None = None,
-        guess: tuple[Vector, Vector] | None = None,
+        guess: Start | None = None,
         enough: Callable[[Verdict], bool] | None = None,
         *,
         thorough: bool = True,
@@ -103,8 +124,8 @@ class VerifiedSolver:
             Matrices of the constructor, any vectors.
         box : pair of arrays, optional
             Implied bounds, at most as wide as those of `qp`; the certificates use them, the solver does not see them.
-        guess : pair of arrays, optional
-            x and y of a similar problem.
+        guess : Start, optional
+            What a similar problem gave.
         enough : callable, optional
             Whether a verdict needs no second opinion; by default as soon as something is proven or optimal.
         thorough : bool
@@ -112,7 +133,9 @@ class VerifiedSolver:
         """
         judged = qp if box is None else qp.with_vectors(lb=box[0], ub=box[1])
         settled = enough or _settled
-        best: Verdict | None = None
+        best = self._dense_verdict(judged, qp, guess)
+        if best is not None and (settled(best) or best.infeasible):
+            return best
         for answer in self._opinions(qp, guess):
             best = _better(best, self._judge(judged, answer))
             if settled(best) or best.infeasible:
@@ -127,7 +150,19 @@ class VerifiedSolver:
             best = _better(best, self._judge(judged, self._ask(name, qp, guess)))
         return best
 
-    def _opinions(self, qp: Qp, guess: tuple[Vector, Vector] | None) -> Iterator[QpResult]:
+    def _dense_verdict(self, judged: Qp, qp: Qp, guess: Start | None) -> Verdict | None:
+        """Word of the dense solver, if it has one."""
+        if self.dense is None or np.any(judged.lb > judged.ub):
+            return None
+        self.solves += 1
+        answer, active = self.dense.solve(
+            qp, (judged.lb, judged.ub), None if guess is None else guess.active, self.settings
+        )
+        answer = replace(answer, objective=answer.objective - qp.constant + self.qp.constant)
+        verdict = replace(self._judge(judged, answer), active=active)
+        return verdict if verdict.optimal or verdict.infeasible else None
+
+    def _opinions(self, qp: Qp, guess: Start | None) -> Iterator[QpResult]:
         """Answers of the chosen solver: first of the form of the problem that suits it, then of the other one."""
         share = np.count_nonzero(qp.lb >= qp.ub) / max(1, qp.n)
         for reduced in (share >= REDUCE_FROM, share < REDUCE_FROM):
@@ -170,11 +205,11 @@ class VerifiedSolver:
             self._reduction = Reducer(self.qp)
         return self._reduction
 
-    def _ask(self, name: str, qp: Qp, guess: tuple[Vector, Vector] | None) -> QpResult:
+    def _ask(self, name: str, qp: Qp, guess: Start | None) -> QpResult:
         if name not in self._spaces:
             self._spaces[name] = self._open(name, self.qp)
         self.solves += 1
-        x0, y0 = guess or (None, None)
+        x0, y0 = (guess.x, guess.y) if guess is not None else (None, None)
         return self._spaces[name].solve(q=qp.q, l=qp.l, u=qp.u, lb=qp.lb, ub=qp.ub, x0=x0, y0=y0)
 
     def _judge(self, qp: Qp, answer: QpResult) -> Verdict:
@@ -242,8 +277,8 @@ def _better(old: Verdict | None, new: Verdict) -> Verdict:
     """The answer that says more, with the higher of the two bounds, for both are valid."""
     if old is None or new.infeasible:
         return new
-    answer = old.answer if _rank(old) <= _rank(new) else new.answer
-    return Verdict(answer, max(old.bound, new.bound))
+    kept = old if _rank(old) <= _rank(new) else new
+    return replace(kept, bound=max(old.bound, new.bound))
 
 
 def _rank(verdict: Verdict) -> float:

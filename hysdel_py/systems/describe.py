@@ -25,7 +25,7 @@ if TYPE_CHECKING:
 
     from hysdel_py.systems.mld import Matrix, Mld
 
-__all__ = ["describe_dha", "describe_mld", "inequalities"]
+__all__ = ["describe_dha", "describe_mld", "inequalities", "variable_lines"]
 
 _UPDATED = frozenset({"Continuous", "Automata"})
 
@@ -33,7 +33,7 @@ _UPDATED = frozenset({"Continuous", "Automata"})
 def describe_dha(dha: Dha) -> str:
     """Variables and items of a Dha, one per line; ``'`` marks the next value of a state."""
     lines = [f"{dha.name}: discrete hybrid automaton"]
-    lines += _variable_lines({"x": dha.x, "u": dha.u, "y": dha.y, "d": dha.d, "z": dha.z})
+    lines += variable_lines({"x": dha.x, "u": dha.u, "y": dha.y, "d": dha.d, "z": dha.z})
     lines += [f"  {_item_text(item)}" for item in dha.items]
     return "\n".join(lines) + "\n"
 
@@ -41,7 +41,7 @@ def describe_dha(dha: Dha) -> str:
 def describe_mld(mld: Mld) -> str:
     """Variables, update and output equations, and the inequalities under the item each came from."""
     lines = [f"{mld.name}: mixed logical dynamical form, {mld.ne} rows"]
-    lines += _variable_lines({"x": mld.x, "u": mld.u, "y": mld.y, "d": mld.d, "z": mld.z})
+    lines += variable_lines({"x": mld.x, "u": mld.u, "y": mld.y, "d": mld.d, "z": mld.z})
     lines += _equation_lines([f"{v.name}'" for v in mld.x], mld, (mld.A, mld.B1, mld.B2, mld.B3), mld.B5)
     lines += _equation_lines([v.name for v in mld.y], mld, (mld.C, mld.D1, mld.D2, mld.D3), mld.D5)
     for origin, rows in groupby(zip(mld.rows, inequalities(mld), strict=True), key=lambda pair: str(pair[0])):
@@ -76,7 +76,8 @@ def _equation_lines(names: list[str], mld: Mld, blocks: tuple[Matrix, ...], cons
     return lines
 
 
-def _variable_lines(groups: dict[str, tuple[Variable, ...]]) -> list[str]:
+def variable_lines(groups: dict[str, tuple[Variable, ...]]) -> list[str]:
+    """One line for each group that has variables, with their ranges and units."""
     return [f"  {letter}: {', '.join(map(_variable_text, group))}" for letter, group in groups.items() if group]
 
 

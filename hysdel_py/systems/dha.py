@@ -30,6 +30,7 @@ if TYPE_CHECKING:
 
 __all__ = [
     "AffineEquation", "AffineRequirement", "Dha", "DhaItem", "Event", "LogicEquation", "LogicRequirement", "Switch",
+    "read_by",
 ]  # fmt: skip
 
 Vector = NDArray[np.float64]
@@ -168,7 +169,7 @@ class Dha:
         """Auxiliaries such that each comes after all it depends on, or else a circle of them."""
         auxiliaries = {v.name for v in (*self.d, *self.z)}
         graph = {
-            name: [n for n in _depends(self.definitions[name]) if n in auxiliaries]
+            name: [n for n in read_by(self.definitions[name]) if n in auxiliaries]
             for name in auxiliaries
             if name in self.definitions
         }
@@ -237,7 +238,7 @@ class Dha:
         booleans = {v.name for v in self.d}
         auxiliaries = booleans | {v.name for v in self.z}
         needs = {
-            v.name: tuple(n for n in _depends(self.definitions[v.name]) if n in auxiliaries)
+            v.name: tuple(n for n in read_by(self.definitions[v.name]) if n in auxiliaries)
             if v.name in self.definitions
             else ()
             for v in (*self.d, *self.z)
@@ -253,7 +254,7 @@ class Dha:
     @cached_property
     def undefined_but_used(self) -> tuple[str, ...]:
         """Auxiliaries that something reads and nothing defines; a step is not defined then."""
-        used = {name for item in self.items for name in _depends(item)}
+        used = {name for item in self.items for name in read_by(item)}
         return tuple(v.name for v in (*self.d, *self.z) if v.name in used and v.name not in self.definitions)
 
     def _equation_value(self, name: str, values: Mapping[str, float]) -> float:
@@ -290,7 +291,8 @@ class Dha:
         return simulate(self, x0, inputs, ts=ts, check=check)
 
 
-def _depends(item: DhaItem) -> tuple[str, ...]:
+def read_by(item: DhaItem) -> tuple[str, ...]:
+    """Variables on the right side of an item."""
     match item:
         case Event(form=form):
             return tuple(name for name, _ in form.terms)

@@ -1,7 +1,8 @@
 """What a file under tests/data/bad expects, written in its own comments.
 
 ``/* error HYS302 5:18 */`` (also warning and note; several, separated by semicolons; without a place for a diagnostic
-about the whole file) and ``/* options constants=forbid */``.
+about the whole file) and ``/* options constants=forbid */``; ``check=deep`` asks for
+the search of ``hysdel check --deep``.
 """
 
 import re
@@ -46,6 +47,8 @@ def diagnostics_of(path):
         _, last = compiler.lower_to_mld(typed, dha, BigM.LP)
     except hys.CompileError as error:
         return error.diagnostics
+    if options.get("check") == "deep":
+        last = (*last, *hys.well_posed(hys.load(path)).diagnostics)
     return (*found, *lowered, *last)
 
 

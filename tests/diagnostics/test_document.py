@@ -9,6 +9,7 @@ from hysdel_py.diagnostics.codes import Code
 WITHOUT_EXAMPLE = {
     Code.UNREADABLE, Code.NOT_TEXT, Code.NOT_UTF8, Code.TOO_LONG, Code.TOO_MANY_ERRORS, Code.PARAMETER_UNKNOWN,
     Code.CONSTANT_TERM, Code.TOO_MANY_CLAUSES, Code.TOO_LARGE, Code.MODULE,
+    Code.NOT_UNIQUE,
 }  # fmt: skip
 
 

@@ -117,7 +117,7 @@ class Flatterer:
 def test_a_point_that_violates_a_row_never_becomes_the_incumbent():
     # x^2 with x + d/2 >= 1
     qp = Qp(np.diag([2.0, 0.0]), [0, 0], [[1.0, 0.5]], [1.0], [np.inf], [-2.0, 0.0], [2.0, 1.0])
-    solver = MiqpSolver(Miqp(qp, [1]))
+    solver = MiqpSolver(Miqp(qp, [1]), MiqpSettings(engine="sparse"))
     solver.verified.open_space = lambda _, problem: Flatterer(problem)
     result = solver.solve()
     assert result.status is MiqpStatus.NUMERICAL

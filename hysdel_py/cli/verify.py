@@ -1,0 +1,105 @@
+"""``hysdel verify``: do the forms of a model agree?"""
+
+from __future__ import annotations
+
+import argparse
+from math import inf
+from pathlib import Path
+
+from hysdel_py.analysis.margins import Margins
+from hysdel_py.analysis.report import VerifyStatus
+from hysdel_py.analysis.verify import verify
+from hysdel_py.cli.arguments import add_model, add_output, load_model
+from hysdel_py.cli.output import print_json
+from hysdel_py.errors import ArgumentError
+from hysdel_py.export.reading import read_json, read_mat, read_npz
+from hysdel_py.systems.mld import Mld
+
+__all__ = ["NOT_SETTLED", "add_margins", "add_parser", "margins_of", "seconds_of"]
+
+NOT_SETTLED = 4
+"""Exit status where neither equality nor a difference was shown."""
+
+_READERS = {".json": read_json, ".npz": read_npz, ".mat": read_mat}
+
+_EPILOG = """\
+examples:
+  hysdel verify model.hys                       random points, then a proof for every row and equation
+  hysdel verify model.hys --mld by_hand.json    judge another MLD form of the same model
+  hysdel verify model.hys --points 0 --seconds 60
+
+exit status: 0 the forms are equal, 1 they differ, 4 not settled within the limits
+"""
+
+
+def add_parser(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
+    """Add the command."""
+    parser = commands.add_parser(
+        "verify",
+        help="show that the matrices have the steps of the model",
+        description="Show that the discrete hybrid automaton, which is the meaning of a model, and its MLD form have\n"
+        "the same steps, or find a state and input where they differ.",
+        epilog=_EPILOG,
+        formatter_class=argparse.RawDescriptionHelpFormatter,
+    )
+    add_model(parser)
+    parser.add_argument(
+        "--mld", metavar="FILE", help=f"the MLD form to judge ({', '.join(_READERS)}); default: its own"
+    )
+    parser.add_argument("--points", type=int, default=200, metavar="N", help="random points (default 200)")
+    parser.add_argument("--seed", type=int, default=0, metavar="S", help="of the random points (default 0)")
+    add_margins(parser)
+    add_output(parser, "the report")
+    parser.set_defaults(run=run)
+
+
+def add_margins(parser: argparse.ArgumentParser) -> None:
+    """Add band, tolerance and time limit of a proof."""
+    margins = Margins()
+    parser.add_argument(
+        "--band", type=float, default=margins.band, metavar="B",
+        help=f"width left out around thresholds, relative to the size of the terms (default {margins.band:g})",
+    )  # fmt: skip
+    parser.add_argument(
+        "--tolerance", type=float, default=margins.tolerance, metavar="T",
+        help=f"what counts as a difference, relative to the size of the terms (default {margins.tolerance:g})",
+    )  # fmt: skip
+    parser.add_argument("--seconds", type=float, default=inf, metavar="T", help="time limit (default none)")
+
+
+def margins_of(options: argparse.Namespace) -> Margins:
+    """Band and tolerance of the arguments."""
+    return Margins(options.band, options.tolerance)
+
+
+def seconds_of(options: argparse.Namespace) -> float:
+    """Time limit of the arguments."""
+    if not options.seconds > 0:
+        raise ArgumentError(f"--seconds {options.seconds:g}: a time above 0 was expected")
+    return float(options.seconds)
+
+
+def run(options: argparse.Namespace) -> int:
+    """Run the command."""
+    model = load_model(options)
+    report = verify(
+        model,
+        mld=_mld(options.mld) if options.mld else None,
+        points=options.points,
+        seed=options.seed,
+        margins=margins_of(options),
+        seconds=seconds_of(options),
+    )
+    if options.json:
+        print_json(report.as_data())
+    else:
+        print(report)
+    return {VerifyStatus.EQUAL: 0, VerifyStatus.DIFFERENT: 1, VerifyStatus.NOT_SETTLED: NOT_SETTLED}[report.status]
+
+
+def _mld(name: str) -> Mld:
+    path = Path(name)
+    reader = _READERS.get(path.suffix.lower())
+    if reader is None:
+        raise ArgumentError(f"--mld {name}: a file that ends in {', '.join(_READERS)} was expected")
+    return reader(path)

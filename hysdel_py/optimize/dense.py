@@ -1,0 +1,175 @@
+"""Relaxations of nodes by the dense kernels: condensed to few variables, solved by a dual active-set method.
+
+Matrices, groups of parallel rows and the pattern of the Hessian are prepared once; a node costs some tens of
+microseconds where numba is installed.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field, replace
+from time import perf_counter
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from hysdel_py.optimize.backends.answer import checked_result, failed_result
+from hysdel_py.optimize.kernels.compiled import COMPILED
+from hysdel_py.optimize.mixed_integer import Miqp
+from hysdel_py.optimize.qp import Qp, QpResult, QpSettings, QpStatus
+
+__all__ = ["Active", "DenseSettings", "DenseSolver", "dense_engine"]
+
+Vector = NDArray[np.float64]
+Indices = NDArray[np.int64]
+Active = NDArray[np.int64]
+
+SEED = 1983
+PARALLEL = 1e-11
+"""Ratios of products that differ by less than this, relative to their size, come from parallel rows."""
+
+
+@dataclass(frozen=True, slots=True)
+class DenseSettings:
+    """Effort and accuracy of the dense solver.
+
+    Attributes
+    ----------
+    tolerance : float
+        A row of unit length may be missed by this much, relative to its side and at least absolute.
+    iterations : int
+        Largest number of changes of the active set in one node.
+    proximity : float
+        Weight of the proximal term, relative to the greatest curvature; it makes a singular Hessian definite.
+    rounds : int
+        Largest number of proximal steps.
+    largest : int
+        Nodes with more free variables are left to the sparse solvers.
+    """
+
+    tolerance: float = 1e-10
+    iterations: int = 500
+    proximity: float = 1e-7
+    rounds: int = 10
+    largest: int = 150
+
+
+@dataclass(slots=True)
+class DenseSolver:
+    """The dense solver for one set of matrices.
+
+    Attributes
+    ----------
+    qp : Qp
+        Its matrices count; the vectors come with each call.
+    integer : array of bool, shape (n,)
+    settings : DenseSettings
+    """
+
+    qp: Qp
+    integer: NDArray[np.bool_]
+    settings: DenseSettings = field(default_factory=DenseSettings)
+    _P: Any = field(init=False)
+    _rows: Any = field(init=False)
+    _groups: Any = field(init=False)
+
+    def __post_init__(self) -> None:
+        from scipy.sparse import csr_array
+
+        rows = csr_array(self.qp.A)
+        rows.eliminate_zeros()
+        self._rows, self._P = _compressed(rows), _compressed(csr_array(self.qp.P))
+        self._groups = (*_parallel_rows(rows, self.integer), self.integer)
+
+    def solve(
+        self, qp: Qp, box: tuple[Vector, Vector], guess: Active | None, settings: QpSettings
+    ) -> tuple[QpResult, Active]:
+        """Solve a node.
+
+        Parameters
+        ----------
+        qp : Qp
+            Matrices of the constructor, any vectors.
+        box : pair of arrays
+            Implied bounds.
+        guess : array of shape (rows, 2), optional
+            What an earlier call returned, for a similar node.
+
+        Returns
+        -------
+        answer, active
+            NUMERICAL where the kernel gives up.
+        """
+        from hysdel_py.optimize.kernels.node import solve_node
+
+        start = perf_counter()
+        s = self.settings
+        problem = (self._P, qp.q, self._rows, qp.l, qp.u, self.integer)
+        status, iterations, w, y, active = solve_node(
+            problem,
+            self._groups,
+            box,
+            (qp.lb, qp.ub),
+            NO_GUESS if guess is None else guess,
+            (s.tolerance, s.iterations, s.proximity, s.rounds, s.largest),
+        )
+        seconds = perf_counter() - start
+        claim = _STATUS.get(status, QpStatus.NUMERICAL)
+        if claim is not QpStatus.OPTIMAL:
+            result = failed_result(qp, claim, "dense active set")
+            return _with_ray(result, y, iterations, seconds), active
+        z = -(qp.P @ w + qp.q + qp.At @ y)
+        word = f"dense active set, {len(active)} active"
+        answer = checked_result(
+            qp, settings, claim, x=w, y=y, z=z, iterations=iterations, seconds=seconds, word=word
+        )  # fmt: skip
+        return answer, active
+
+
+NO_GUESS: Active = np.zeros((0, 2), dtype=np.int64)
+_STATUS = {0: QpStatus.OPTIMAL, 1: QpStatus.INFEASIBLE, 3: QpStatus.ITERATION_LIMIT}
+
+
+def dense_engine(miqp: Miqp, engine: str) -> DenseSolver | None:
+    """The dense solver if the engine is wanted: always for "dense", for "auto" where the kernels are compiled."""
+    if engine == "sparse" or (engine == "auto" and not COMPILED):
+        return None
+    integer = np.zeros(miqp.qp.n, dtype=bool)
+    integer[miqp.binaries] = True
+    return DenseSolver(miqp.qp, integer)
+
+
+def _with_ray(result: QpResult, y: Vector, iterations: int, seconds: float) -> QpResult:
+    return replace(result, y=y, iterations=iterations, seconds=seconds)
+
+
+def _compressed(matrix: Any) -> tuple[Indices, Indices, Vector]:
+    matrix.sort_indices()
+    return matrix.indptr.astype(np.int64), matrix.indices.astype(np.int64), matrix.data.astype(float)
+
+
+def _parallel_rows(rows: Any, integer: NDArray[np.bool_]) -> tuple[Indices, Indices, Vector]:
+    """Groups of rows whose parts in the real variables are parallel: starts, members, scales.
+
+    Parallel rows are found by their products with random vectors, whose ratios do not depend on the scale of a row.
+    """
+    random = np.random.default_rng(SEED).uniform(1.0, 2.0, (rows.shape[1], 3)) * ~integer[:, None]
+    products = rows @ random
+    has_part = (abs(rows) @ (~integer).astype(float)) > 0
+    members: list[list[int]] = []
+    ordered = [int(r) for r in np.flatnonzero(has_part)]
+    ratios = products[:, 1:] / np.where(products[:, :1] == 0, 1.0, products[:, :1])
+    seen: dict[tuple[float, ...], int] = {}
+    for row in ordered:
+        key = tuple(np.round(ratios[row], 9) + 0.0)
+        if key in seen and np.all(
+            np.abs(ratios[row] - ratios[members[seen[key]][0]]) <= PARALLEL * (1 + np.abs(ratios[row]))
+        ):
+            members[seen[key]].append(row)
+        else:
+            seen[key] = len(members)
+            members.append([row])
+    start = np.concatenate([[0], np.cumsum([len(group) for group in members])]).astype(np.int64)
+    flat = np.array([row for group in members for row in group], dtype=np.int64)
+    scale = np.array([products[row, 0] / products[group[0], 0] for group in members for row in group], dtype=float)
+    return start, flat, scale
