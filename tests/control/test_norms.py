@@ -110,3 +110,17 @@ def test_the_model_runs_as_planned(norm):
         run = model.dha.simulate(start, plan.u, check=False)
         assert run.x == pytest.approx(plan.x, abs=1e-5)
         assert run.modes == plan.modes
+
+
+@pytest.mark.parametrize("norm", [1, 2, np.inf])
+def test_a_piecewise_affine_form_has_the_same_plans(norm):
+    model, cost = hys.load("two_tanks"), Cost(y={"level1": 1, "level2": 10}, norm=norm)
+    ref = {"level1": 0.2, "level2": 0.3}
+    whole, modes = (HybridMpc(system, 3, cost, gap_rel=1e-6) for system in (model, hys.to_mld(model.pwa)))
+    for start in ([0.1, 0.4], [0.45, 0.1]):
+        assert modes.solve(start, ref).cost == pytest.approx(whole.solve(start, ref).cost, rel=1e-5, abs=1e-7)
+
+
+def test_a_piecewise_affine_form_itself_is_refused_with_the_way():
+    with pytest.raises(ArgumentError, match=r"a Pwa: .*hys\.to_mld\(pwa\)"):
+        HybridMpc(hys.load("two_tanks").pwa, 3, Cost())
