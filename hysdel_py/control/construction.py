@@ -11,6 +11,7 @@ import numpy as np
 from hysdel_py.control.formulation import Formulation
 from hysdel_py.errors import ArgumentError
 from hysdel_py.systems.mld import Mld
+from hysdel_py.systems.pwa import Pwa
 
 if TYPE_CHECKING:
     from hysdel_py.optimize.milp import MilpSolver
@@ -30,7 +31,8 @@ def mld_of(model: Any) -> Mld:
     """Return the MLD form of a model, or the form itself."""
     mld = getattr(model, "mld", model)
     if not isinstance(mld, Mld):
-        raise ArgumentError(f"model is a {type(model).__name__}: a Model or an Mld was expected")
+        hint = "; hys.to_mld(pwa) makes an Mld of a piecewise affine form" if isinstance(model, Pwa) else ""
+        raise ArgumentError(f"model is a {type(model).__name__}: a Model or an Mld was expected{hint}")
     return mld
 
 

@@ -78,7 +78,9 @@ def test_offset_free_tracking(systems):
 # ------------------------------------------------------------------ the filter
 
 
-@pytest.mark.parametrize(("x", "slope"), [(3.0, -0.5), (-3.0, 0.8), (0.0, -0.5), (10.0, -0.5), (-10.0, 0.8)])
+@pytest.mark.parametrize(
+    ("x", "slope"), [(3.0, -0.5), (-3.0, 0.8), (0.0, -0.5), (10.0, -0.5), (-10.0, 0.8), (-1e-4, 0.8)]
+)
 def test_maps_of_a_mode(systems, x, slope):
     mld = systems.fold()
     maps = mode_maps(lambda *point: mld.step(*point, check=False), mld, np.array([x]), np.array([0.2]))
@@ -238,6 +240,15 @@ def test_a_past_that_cannot_be(systems):
     assert none.status is MoveStatus.INFEASIBLE
     assert none.x is None
     assert "no past of the model" in none.message
+
+
+def test_the_guess_moves_with_the_window(systems):
+    """A guess that is trusted: were it not moved on, it would contradict the measurements."""
+    estimator = MovingHorizonEstimator(systems.fold(), 2, [-4.0], noise=[0.1], arrival=1e-6)
+    for y in (-4.0, -3.2, -2.56, -2.048):
+        estimate = estimator.update([y], [0.0])
+        assert estimate.cost < 1e-3
+    assert estimate.x == pytest.approx([-1.6384], abs=1e-3)
 
 
 @pytest.mark.parametrize(

@@ -61,6 +61,14 @@ def test_price_of_a_limit_is_the_slope_of_the_cost(tank):
     assert explanation.requirements == ()
 
 
+def test_prices_are_those_with_the_binaries_held(tank):
+    """The pump is too dear: (1.25 - 1.9)^2 falls by 2 * 0.65 per unit; with a bit of the pump it would be less."""
+    cost = Cost(terminal={"level": 1}, u={"pump": 10})
+    mpc = HybridMpc(tank, 1, cost, Limits(u={"flow": (None, 0.25)}), gap_rel=1e-9)
+    (price,) = mpc.why(mpc.solve([1.0], {"level": 1.9})).limits
+    assert price.price == pytest.approx(1.3, rel=1e-4)
+
+
 def test_price_of_a_limit_that_is_a_row(tank):
     """The limit of the increment stops the flow at 0.1: cost (1 + 1 + 0.1 - 5)^2 falls by 2 * 2.9 per unit."""
     mpc = HybridMpc(tank, 1, Cost(terminal={"level": 1}), Limits(du={"flow": (-1, 0.1)}), gap_rel=1e-9)

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from pwa_enumeration import optimum, random_problem
 
+import hysdel_py as hys
 from hysdel_py.control.costs import Cost
 from hysdel_py.control.formulation import formulate
 from hysdel_py.control.hybrid_mpc import HybridMpc
@@ -97,3 +98,29 @@ def test_shape_of_a_matrix(systems):
         HybridMpc(systems.heater(), 2, Cost(y=[[np.nan, 1.0]], norm=1))
     with pytest.raises(ArgumentError, match="2 by 2"):
         HybridMpc(systems.heater(), 2, Cost(y=np.ones((3, 2))))
+
+
+@pytest.mark.parametrize("norm", [1, 2, np.inf])
+def test_the_model_runs_as_planned(norm):
+    """The Dha, which knows no big-M and no solver, under the planned inputs."""
+    model = hys.load("two_tanks")
+    mpc = HybridMpc(model, 5, Cost(y={"level1": 1, "level2": 10}, norm=norm), gap_rel=1e-6)
+    for start in ([0.1, 0.4], [0.45, 0.1], [0.3, 0.35]):
+        plan = mpc.solve(start, {"level1": 0.2, "level2": 0.3}).predicted
+        run = model.dha.simulate(start, plan.u, check=False)
+        assert run.x == pytest.approx(plan.x, abs=1e-5)
+        assert run.modes == plan.modes
+
+
+@pytest.mark.parametrize("norm", [1, 2, np.inf])
+def test_a_piecewise_affine_form_has_the_same_plans(norm):
+    model, cost = hys.load("two_tanks"), Cost(y={"level1": 1, "level2": 10}, norm=norm)
+    ref = {"level1": 0.2, "level2": 0.3}
+    whole, modes = (HybridMpc(system, 3, cost, gap_rel=1e-6) for system in (model, hys.to_mld(model.pwa)))
+    for start in ([0.1, 0.4], [0.45, 0.1]):
+        assert modes.solve(start, ref).cost == pytest.approx(whole.solve(start, ref).cost, rel=1e-5, abs=1e-7)
+
+
+def test_a_piecewise_affine_form_itself_is_refused_with_the_way():
+    with pytest.raises(ArgumentError, match=r"a Pwa: .*hys\.to_mld\(pwa\)"):
+        HybridMpc(hys.load("two_tanks").pwa, 3, Cost())

@@ -10,6 +10,7 @@ from hysdel_py.control.costs import Cost
 from hysdel_py.control.hybrid_mpc import HybridMpc
 from hysdel_py.control.limits import Limits
 from hysdel_py.control.move import MoveStatus
+from hysdel_py.control.prediction import simulated_binaries
 from hysdel_py.errors import ArgumentError
 
 TOUCH = 1e-5
@@ -71,6 +72,7 @@ def test_closed_loop_hands_the_applied_input_on(systems):
     run = closed_loop(systems.fold(), mpc, [-5.0], 6, {"seen": 3.0}, last_input=[-1.0])
     steps = np.diff(np.concatenate([[-1.0], run.u[:, 0]]))
     assert np.abs(steps).max() == pytest.approx(0.2, abs=TOUCH)
+    assert run.u[-1, 0] > -0.5  # more than one step of 0.2 away from the first
     with pytest.raises(ArgumentError, match="last_input"):
         closed_loop(systems.fold(), mpc, [-5.0], 6, {"seen": 3.0})
 
@@ -111,6 +113,13 @@ def test_an_output_limit_with_n_entries_goes_on(systems):
     )
     assert (move.predicted.y[:, 0] <= np.array([5.0, 4.0, 3.0]) + TOUCH).all()
     assert move.predicted.y[:, 0].max() > 2.5
+
+
+def test_a_floor_that_rises(systems):
+    floor = [-1.0, -0.5, 0.25, 0.5]
+    move = solve(systems.fold(), [6.0], {"seen": -9.0}, limits=Limits(u={"push": (floor, None)}))
+    assert (move.predicted.u[:, 0] >= np.array(floor) - 1e-9).all()
+    assert move.predicted.u[0, 0] < -0.9
 
 
 def test_lengths_of_limits(systems):
@@ -173,6 +182,16 @@ def test_warm_start_within_blocks(systems):
         assert mpc.solve([x], {"seen": 2.0}).cost == pytest.approx(
             cold.solve([x], {"seen": 2.0}, warm=False).cost, rel=1e-4
         )
+
+
+def test_guesses_hold_the_inputs_too(systems):
+    mpc = HybridMpc(systems.fold(), 4, Cost(y={"seen": 1}), blocking=(2, 2))
+    v = np.zeros(mpc.formulation.layout.n)
+    v[[mpc.formulation.layout.start("u", k) for k in range(4)]] = [0.5, -1.0, -1.0, 1.0]
+    plan = mpc.formulation.layout.split(v, np.array([-0.5]))
+    # held: 0.1, 0.45, -1.225, -1.98; as they stand: 0.1, -1.05, -1.84, -0.472
+    guess = simulated_binaries(mpc.formulation, systems.fold().step, np.array([-0.5]), plan)
+    assert guess.tolist() == [0.0, 1.0, 1.0, 0.0]
 
 
 @pytest.mark.parametrize(

@@ -110,6 +110,12 @@ def test_a_binary_that_is_hardly_off_does_not_loosen_a_threshold():
     assert result.objective == 1.0
 
 
+def test_binaries_are_rounded_before_a_point_counts(monkeypatch):
+    fake(monkeypatch, x=np.array([1.0, 1e-7]), bound=1e-7)
+    qp = Qp(np.zeros((2, 2)), [0.0, 1.0], [[1.0, -1e7]], [-inf], [0.0], [1.0, 0.0], [1.0, 1.0])
+    assert solve_milp(Miqp(qp, [1])).objective == pytest.approx(1.0, abs=1e-6)
+
+
 def test_the_incumbent_is_the_answer_when_the_search_finds_nothing(monkeypatch):
     fake(monkeypatch, status=1, x=None, bound=-inf, message="limit")
     result = solve_milp(knapsack(), incumbent=[0.0, 1.0], floor=1.0)
