@@ -1,0 +1,154 @@
+"""What lies beyond a facet: a stored region, an infeasible point, or an active set that was missed.
+
+The facet, moved outwards by a little, must be covered by stored regions and by half-spaces that rays of Farkas prove to
+be infeasible. An uncovered point is solved on its own; its active set is the missing one.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from enum import Enum
+
+import numpy as np
+from numpy.typing import NDArray
+
+from hysdel_py.optimize.parametric.canonical import Canonical
+from hysdel_py.optimize.parametric.facets import inner_point
+from hysdel_py.optimize.parametric.nearest import FOUND
+from hysdel_py.optimize.parametric.point import PointStatus, solve_at
+from hysdel_py.optimize.parametric.records import ActiveSet, FoundRegion, Task
+from hysdel_py.optimize.parametric.settings import MpQpSettings
+
+__all__ = ["Beyond", "Verdict"]
+
+Vector = NDArray[np.float64]
+Matrix = NDArray[np.float64]
+Rows = tuple[Matrix, Vector]
+Key = tuple[ActiveSet, int]
+
+_STEP = 0.1
+"""How far beyond a facet one looks, as a share of the distance that is kept from its edges."""
+
+_PIECES = 200
+"""Most pieces into which a facet is cut."""
+
+
+class Verdict(Enum):
+    """What is known about the far side of a facet."""
+
+    REGIONS = "stored regions"
+    EDGE = "edge of the feasible set"
+    OPEN = "not settled"
+
+
+@dataclass(slots=True)
+class Beyond:
+    """Looks beyond the facets of stored regions.
+
+    Attributes
+    ----------
+    form : Canonical
+    settings : MpQpSettings
+    regions : mapping of active sets to regions
+    points : int
+        Number of single points solved.
+    """
+
+    form: Canonical
+    settings: MpQpSettings
+    regions: Mapping[ActiveSet, FoundRegion]
+    points: int = 0
+
+    def open_facets(self, settled: Mapping[Key, Verdict]) -> Iterator[tuple[Key, FoundRegion, int]]:
+        """Facets that the exchange of rows does not settle."""
+        for active in sorted(self.regions):
+            region = self.regions[active]
+            for number, facet in enumerate(region.facets):
+                if facet.on_domain or (active, number) in settled:
+                    continue
+                crossed = not facet.beyond or any(other in self.regions for other in facet.beyond)
+                if facet.shared or not crossed:
+                    yield (active, number), region, number
+
+    def settle(self, region: FoundRegion, facet: int) -> tuple[Verdict, list[Task]]:
+        """Verdict on a facet, or the active sets that it shows to be missing."""
+        strip, margin = self._strip(region, facet)
+        covers: list[Rows] = []
+        verdict = Verdict.EDGE
+        for active in region.facets[facet].beyond:
+            if active in self.regions:
+                covers.append((self.regions[active].N, self.regions[active].h))
+                verdict = Verdict.REGIONS
+        for _ in range(_PIECES):
+            s = self._uncovered(strip, covers, margin)
+            if s is None:
+                return verdict, []
+            self.points += 1
+            point = solve_at(self.form, s, self.settings)
+            if point.status is PointStatus.INFEASIBLE:
+                covers.append((point.ray[None, 1:], -point.ray[:1]))
+                continue
+            home = self._home(point.active, s) if point.status is PointStatus.OPTIMAL else None
+            if home is None:
+                missing = point.status is PointStatus.OPTIMAL and point.active not in self.regions
+                return Verdict.OPEN, [Task(point.active, s)] if missing else []
+            covers.append((home.N, home.h))
+            verdict = Verdict.REGIONS
+        return Verdict.OPEN, []
+
+    def _home(self, active: ActiveSet, s: Vector) -> FoundRegion | None:
+        """Stored region that holds a point, the one of its active set first."""
+        tolerance = 10 * self.settings.radius
+        own = self.regions.get(active)
+        if own is not None and own.holds(s, tolerance):
+            return own
+        return next((other for other in self.regions.values() if other.holds(s, tolerance)), None)
+
+    def _strip(self, region: FoundRegion, facet: int) -> tuple[Rows, float]:
+        """The facet moved outwards, thin in that direction and kept away from its edges."""
+        N, h, settings = region.N, region.h, self.settings
+        kept = np.arange(len(h)) != facet
+        for margin in settings.margins:
+            step = _STEP * margin
+            rows = np.vstack([N[kept], -N[facet : facet + 1], N[facet : facet + 1]])
+            sides = np.concatenate([h[kept] - margin, [-h[facet] - step, h[facet] + 2 * step]])
+            if self._point_of((rows, sides), region.points[facet]) is not None:
+                break
+        domain = self.form.domain
+        return (np.vstack([rows, domain[:, 1:]]), np.concatenate([sides, domain[:, 0]])), float(margin)
+
+    def _point_of(self, rows: Rows, guess: Vector, margin: float = 0.0) -> Vector | None:
+        settings = self.settings
+        margins = np.array([margin])
+        status, point = inner_point(rows[0], rows[1], guess, margins, settings.violation, settings.angle)
+        return point if status == FOUND else None
+
+    def _uncovered(self, strip: Rows, covers: list[Rows], margin: float) -> Vector | None:
+        """A point of the strip that no cover holds."""
+        pending = [(strip, 0)]
+        inside = 0.1 * _STEP * margin
+        while pending:
+            rows, number = pending.pop()
+            point = self._point_of(rows, np.zeros(self.form.p), inside)
+            if point is None:
+                continue
+            if number == len(covers):
+                return point
+            pending += [(piece, number + 1) for piece in _outside(rows, covers[number])]
+        return None
+
+
+def _outside(rows: Rows, cover: Rows) -> list[Rows]:
+    """Parts of a polyhedron that violate one row of another and keep those before it."""
+    N, h = cover
+    parts = []
+    for row in range(len(h)):
+        length = float(np.linalg.norm(N[row]))
+        if length == 0:
+            continue
+        parts.append((
+            np.vstack([rows[0], N[:row], -N[row : row + 1] / length]),
+            np.concatenate([rows[1], h[:row], -h[row : row + 1] / length]),
+        ))
+    return parts
