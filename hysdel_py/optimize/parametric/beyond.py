@@ -14,8 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hysdel_py.optimize.parametric.canonical import Canonical
-from hysdel_py.optimize.parametric.facets import inner_point
-from hysdel_py.optimize.parametric.nearest import FOUND
+from hysdel_py.optimize.parametric.cover import Rows, point_inside, uncovered_point
 from hysdel_py.optimize.parametric.point import PointStatus, solve_at
 from hysdel_py.optimize.parametric.records import ActiveSet, FoundRegion, Task
 from hysdel_py.optimize.parametric.settings import MpQpSettings
@@ -23,8 +22,6 @@ from hysdel_py.optimize.parametric.settings import MpQpSettings
 __all__ = ["Beyond", "Verdict"]
 
 Vector = NDArray[np.float64]
-Matrix = NDArray[np.float64]
-Rows = tuple[Matrix, Vector]
 Key = tuple[ActiveSet, int]
 
 _STEP = 0.1
@@ -81,13 +78,13 @@ class Beyond:
                 covers.append((self.regions[active].N, self.regions[active].h))
                 verdict = Verdict.REGIONS
         for _ in range(_PIECES):
-            s = self._uncovered(strip, covers, margin)
+            s = uncovered_point(strip, covers, 0.1 * _STEP * margin, self.settings)
             if s is None:
                 return verdict, []
             self.points += 1
             point = solve_at(self.form, s, self.settings)
             if point.status is PointStatus.INFEASIBLE:
-                covers.append((point.ray[None, 1:], -point.ray[:1]))
+                covers.append(_half_space(point.ray))
                 continue
             home = self._home(point.active, s) if point.status is PointStatus.OPTIMAL else None
             if home is None:
@@ -113,42 +110,13 @@ class Beyond:
             step = _STEP * margin
             rows = np.vstack([N[kept], -N[facet : facet + 1], N[facet : facet + 1]])
             sides = np.concatenate([h[kept] - margin, [-h[facet] - step, h[facet] + 2 * step]])
-            if self._point_of((rows, sides), region.points[facet]) is not None:
+            if point_inside((rows, sides), 0.0, settings, region.points[facet]) is not None:
                 break
         domain = self.form.domain
         return (np.vstack([rows, domain[:, 1:]]), np.concatenate([sides, domain[:, 0]])), float(margin)
 
-    def _point_of(self, rows: Rows, guess: Vector, margin: float = 0.0) -> Vector | None:
-        settings = self.settings
-        margins = np.array([margin])
-        status, point = inner_point(rows[0], rows[1], guess, margins, settings.violation, settings.angle)
-        return point if status == FOUND else None
 
-    def _uncovered(self, strip: Rows, covers: list[Rows], margin: float) -> Vector | None:
-        """A point of the strip that no cover holds."""
-        pending = [(strip, 0)]
-        inside = 0.1 * _STEP * margin
-        while pending:
-            rows, number = pending.pop()
-            point = self._point_of(rows, np.zeros(self.form.p), inside)
-            if point is None:
-                continue
-            if number == len(covers):
-                return point
-            pending += [(piece, number + 1) for piece in _outside(rows, covers[number])]
-        return None
-
-
-def _outside(rows: Rows, cover: Rows) -> list[Rows]:
-    """Parts of a polyhedron that violate one row of another and keep those before it."""
-    N, h = cover
-    parts = []
-    for row in range(len(h)):
-        length = float(np.linalg.norm(N[row]))
-        if length == 0:
-            continue
-        parts.append((
-            np.vstack([rows[0], N[:row], -N[row : row + 1] / length]),
-            np.concatenate([rows[1], h[:row], -h[row : row + 1] / length]),
-        ))
-    return parts
+def _half_space(ray: Vector) -> Rows:
+    """Where ``ray (1, s) <= 0``: nothing is feasible inside."""
+    length = float(np.linalg.norm(ray[1:]))
+    return ray[None, 1:] / length, -ray[:1] / length

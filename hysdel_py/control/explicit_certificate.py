@@ -1,0 +1,250 @@
+"""What an explicit law is worth: compared with the problem solved online, and across its facets."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from hysdel_py.control.explicit_law import OUTSIDE, Array, ExplicitLaw, Vector
+from hysdel_py.optimize.mpqp import MpQp
+from hysdel_py.optimize.parametric.cover import point_inside
+from hysdel_py.optimize.parametric.settings import MpQpSettings
+from hysdel_py.optimize.qp import Qp, QpSettings, QpStatus
+from hysdel_py.optimize.verified import VerifiedSolver
+
+__all__ = ["LawCertificate", "OnlineProblem", "certify", "random_points"]
+
+_ACCURACY = 1e-10
+_FAR = 1e7
+"""Infeasibility is proven among variables up to this size."""
+
+_STEPS = 20
+"""Steps of a random walk between two points that are kept."""
+
+
+@dataclass(frozen=True, slots=True)
+class LawCertificate:
+    """Greatest deviations found.
+
+    Attributes
+    ----------
+    samples : int
+        Values of theta that were solved online.
+    feasible : int
+        Those with a solution.
+    missing : int
+        Feasible ones that no region holds.
+    superfluous : int
+        Infeasible ones that a region holds by more than the tolerance.
+    law_error : float
+        Greatest difference of the moves, relative to 1 and their size.
+    violation : float
+        Greatest violation of the problem's rows by the law, relative to 1 and the side; nan after merging.
+    value_error : float
+        Greatest difference of the values, relative to 1 and their size; nan for a law without value function.
+    overlaps : int
+        Values of theta well inside two regions with different moves.
+    jump : float
+        Greatest difference of the moves of two regions at a common point of their boundary.
+    undecided : int
+        Values of theta at which the online solver proved nothing.
+    """
+
+    samples: int
+    feasible: int
+    missing: int
+    superfluous: int
+    law_error: float
+    violation: float
+    value_error: float
+    overlaps: int
+    jump: float
+    undecided: int
+
+    def holds(self, accuracy: float = 1e-6) -> bool:
+        """Whether nothing is missing, superfluous or doubled and all differences are small.
+
+        An interior-point solution whose value is wrong by a share a may be off by the square root of a where a row is
+        weakly active, so that the moves are compared with that; feasibility and value are what proves them.
+        """
+        clean = not (self.missing or self.superfluous or self.overlaps)
+        exact = max(np.nan_to_num(self.value_error), np.nan_to_num(self.violation), self.jump)
+        return bool(clean and exact <= accuracy and self.law_error <= np.sqrt(accuracy))
+
+
+def certify(law: ExplicitLaw, problem: MpQp, samples: int = 200, seed: int = 0) -> LawCertificate:
+    """Compare a law with its problem at random parameters, half of them on boundaries of regions.
+
+    Parameters
+    ----------
+    law : ExplicitLaw
+    problem : MpQp
+    samples : int
+    seed : int
+    """
+    rng = np.random.default_rng(seed)
+    points = random_points(law, samples - samples // 2, rng)
+    boundary, jump = _boundary(law, samples // 2, rng)
+    online = OnlineProblem(problem)
+    answers = [_Comparison.at(law, online, point) for point in np.vstack([points, boundary])]
+    return LawCertificate(
+        samples=len(answers),
+        feasible=sum(answer.feasible for answer in answers),
+        missing=sum(answer.missing for answer in answers),
+        superfluous=sum(answer.superfluous for answer in answers),
+        law_error=max((answer.law_error for answer in answers), default=0.0),
+        violation=max((answer.violation for answer in answers), default=0.0) if law.has_value else np.nan,
+        value_error=max((answer.value_error for answer in answers), default=0.0) if law.has_value else np.nan,
+        overlaps=sum(_doubled(law, point) for point in points),
+        jump=jump,
+        undecided=sum(answer.undecided for answer in answers),
+    )
+
+
+class OnlineProblem:
+    """The problem at single parameters, by the verified quadratic programs."""
+
+    def __init__(self, problem: MpQp) -> None:
+        self.problem = problem
+        settings = QpSettings(accuracy=_ACCURACY, feasibility=1e-8, stationarity=1e-7)
+        self._qp = self._at(np.zeros(problem.p))
+        self._solver = VerifiedSolver(self._qp, "piqp", settings)
+
+    def solve(self, theta: Vector) -> tuple[QpStatus, Vector, float]:
+        """Status, solution and value."""
+        qp = self._at(theta)
+        far = np.full(self.problem.n, _FAR)
+        answer = self._solver.solve(self._qp.with_vectors(q=qp.q, l=qp.l, u=qp.u), box=(-far, far)).answer
+        return answer.status, answer.x, self.problem.value(answer.x, theta)
+
+    def _at(self, theta: Vector) -> Qp:
+        p = self.problem
+        assert p.e is not None
+        assert p.E is not None
+        assert p.D is not None
+        equal = p.e + p.D @ theta
+        upper = p.w + p.S @ theta
+        free = np.full(p.n, np.inf)
+        return Qp(
+            (p.H + p.H.T) / 2,
+            p.f + p.F @ theta,
+            np.vstack([p.G, p.E]),
+            np.concatenate([np.full(p.m, -np.inf), equal]),
+            np.concatenate([upper, equal]),
+            -free,
+            free,
+        )
+
+
+@dataclass(frozen=True, slots=True)
+class _Comparison:
+    """Law and online solution at one point."""
+
+    feasible: bool = False
+    missing: bool = False
+    superfluous: bool = False
+    law_error: float = 0.0
+    violation: float = 0.0
+    value_error: float = 0.0
+    undecided: bool = False
+
+    @classmethod
+    def at(cls, law: ExplicitLaw, online: OnlineProblem, theta: Vector) -> _Comparison:
+        status, z, value = online.solve(theta)
+        region = law.locate(theta)
+        if status is QpStatus.OPTIMAL:
+            return _with_solution(law, online.problem, region, theta, z, value)
+        if status is QpStatus.INFEASIBLE:
+            return cls(superfluous=region != OUTSIDE and float(np.min(law.excess(theta))) < -law.tolerance)
+        return cls(undecided=True)
+
+
+def _with_solution(
+    law: ExplicitLaw, problem: MpQp, region: int, theta: Vector, z: Vector, value: float
+) -> _Comparison:
+    if region == OUTSIDE:
+        room = float(np.min(law.domain_b - law.domain_A @ theta))
+        return _Comparison(feasible=True, missing=room > law.tolerance)
+    own = law.K[region, : law.moves] @ theta + law.k[region, : law.moves]
+    error = float(np.max(np.abs(own - z[: law.moves]))) / max(1.0, float(np.max(np.abs(own))))
+    if not law.has_value:
+        return _Comparison(feasible=True, law_error=error)
+    gap = abs(law.value(theta) - value) / max(1.0, abs(value))
+    return _Comparison(feasible=True, law_error=error, violation=_violation(problem, law, region, theta), value_error=gap)
+
+
+def _violation(problem: MpQp, law: ExplicitLaw, region: int, theta: Vector) -> float:
+    assert problem.E is not None
+    assert problem.e is not None
+    assert problem.D is not None
+    z = law.K[region] @ theta + law.k[region]
+    upper, equal = problem.w + problem.S @ theta, problem.e + problem.D @ theta
+    excess = np.concatenate([problem.G @ z - upper, np.abs(problem.E @ z - equal)])
+    return float(np.max(excess / np.maximum(1.0, np.abs(np.concatenate([upper, equal]))), initial=0.0))
+
+
+def random_points(law: ExplicitLaw, count: int, rng: np.random.Generator) -> Array:
+    """Points spread over the domain by a hit-and-run walk."""
+    settings = MpQpSettings()
+    length = np.linalg.norm(law.domain_A, axis=1)
+    A, b = law.domain_A / length[:, None], law.domain_b / length
+    point = point_inside((A, b), settings.radius, settings)
+    if point is None:
+        return np.zeros((0, law.p))
+    found = []
+    for _ in range(count):
+        for _ in range(_STEPS):
+            point = _walk(A, b, point, rng)
+        found.append(point)
+    return np.array(found).reshape(-1, law.p)
+
+
+def _walk(A: Array, b: Vector, point: Vector, rng: np.random.Generator) -> Vector:
+    """A point on the chord of the domain through the given one in a random direction."""
+    direction = rng.normal(size=len(point))
+    speed, room = A @ direction, b - A @ point
+    with np.errstate(divide="ignore"):
+        times = room / speed
+    low = np.max(times[speed < 0], initial=-np.inf)
+    high = np.min(times[speed > 0], initial=np.inf)
+    return np.asarray(point + rng.uniform(low, high) * direction)
+
+
+def _boundary(law: ExplicitLaw, count: int, rng: np.random.Generator) -> tuple[Array, float]:
+    """Points on facets of random regions, and the greatest jump of the moves there."""
+    points, jump = [], 0.0
+    for row in rng.integers(0, len(law.b), count) if len(law.b) else []:
+        region = int(np.searchsorted(law.starts, row, side="right")) - 1
+        point = _on_facet(law, region, int(row - law.starts[region]))
+        if point is not None:
+            points.append(point)
+            jump = max(jump, _jump(law, region, point))
+    return np.array(points).reshape(-1, law.p), jump
+
+
+def _on_facet(law: ExplicitLaw, region: int, row: int) -> Vector | None:
+    A, b = law.rows(region)
+    settings = MpQpSettings()
+    for margin in settings.margins:
+        sides = b - margin
+        sides[row] = b[row]
+        rows = np.vstack([A, -A[row]]), np.append(sides, -b[row])
+        point = point_inside(rows, 0.0, settings)
+        if point is not None:
+            return point
+    return None
+
+
+def _jump(law: ExplicitLaw, region: int, point: Vector) -> float:
+    others: NDArray[np.intp] = np.flatnonzero(law.excess(point) <= law.tolerance)
+    moves = law.K[:, : law.moves] @ point + law.k[:, : law.moves]
+    return float(np.max(np.abs(moves[others] - moves[region]), initial=0.0))
+
+
+def _doubled(law: ExplicitLaw, point: Vector) -> bool:
+    """Whether a point lies well inside two regions whose moves differ there."""
+    inside = np.flatnonzero(law.excess(point) < -10 * law.tolerance)
+    moves = law.K[inside, : law.moves] @ point + law.k[inside, : law.moves]
+    return len(inside) > 1 and float(np.ptp(moves, axis=0).max()) > 1e3 * law.tolerance
