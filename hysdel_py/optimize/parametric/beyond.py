@@ -27,14 +27,16 @@ Key = tuple[ActiveSet, int]
 _STEP = 0.1
 """How far beyond a facet one looks, as a share of the distance that is kept from its edges."""
 
-_PIECES = 200
-"""Most pieces into which a facet is cut."""
+_PIECES, _PIECES_SHARED = 4, 30
+"""Most points solved beyond a facet: where the exchange of rows led to a region without inner points, and where several
+rows share the facet, so that several regions may lie beyond it."""
 
 
 class Verdict(Enum):
     """What is known about the far side of a facet."""
 
     REGIONS = "stored regions"
+    SAMPLED = "stored regions at all points tried"
     EDGE = "edge of the feasible set"
     OPEN = "not settled"
 
@@ -77,7 +79,7 @@ class Beyond:
             if active in self.regions:
                 covers.append((self.regions[active].N, self.regions[active].h))
                 verdict = Verdict.REGIONS
-        for _ in range(_PIECES):
+        for _ in range(_PIECES_SHARED if region.facets[facet].shared else _PIECES):
             s = uncovered_point(strip, covers, 0.1 * _STEP * margin, self.settings)
             if s is None:
                 return verdict, []
@@ -92,7 +94,7 @@ class Beyond:
                 return Verdict.OPEN, [Task(point.active, s)] if missing else []
             covers.append((home.N, home.h))
             verdict = Verdict.REGIONS
-        return Verdict.OPEN, []
+        return Verdict.SAMPLED, []
 
     def _home(self, active: ActiveSet, s: Vector) -> FoundRegion | None:
         """Stored region that holds a point, the one of its active set first."""

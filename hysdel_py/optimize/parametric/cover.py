@@ -39,8 +39,17 @@ def uncovered_point(rows: Rows, covers: Sequence[Rows], margin: float, settings:
             continue
         if number == len(covers):
             return point
-        pending += [(part, number + 1) for part in _outside(piece, covers[number])]
+        if _apart(piece, covers[number], margin, point, settings):
+            pending.append((piece, number + 1))
+        else:
+            pending += [(part, number + 1) for part in _outside(piece, covers[number])]
     return None
+
+
+def _apart(rows: Rows, cover: Rows, margin: float, point: Vector, settings: MpQpSettings) -> bool:
+    """Whether a cover has nothing in common with a polyhedron, so that it need not be cut."""
+    both = np.vstack([rows[0], cover[0]]), np.concatenate([rows[1], cover[1]])
+    return point_inside(both, margin, settings, point) is None
 
 
 def _outside(rows: Rows, cover: Rows) -> list[Rows]:
