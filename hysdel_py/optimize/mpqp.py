@@ -15,7 +15,6 @@ from hysdel_py.optimize.parametric.exploration import Exploration, Progress, Sto
 from hysdel_py.optimize.parametric.problem import MpQp
 from hysdel_py.optimize.parametric.records import ActiveSet, FoundRegion
 from hysdel_py.optimize.parametric.reduction import canonical_form
-from hysdel_py.optimize.parametric.region import stationary
 from hysdel_py.optimize.parametric.settings import MpQpSettings
 
 __all__ = ["CriticalRegion", "MpQp", "MpQpSettings", "ParametricSolution", "solve_mpqp"]
@@ -123,7 +122,7 @@ def solve_mpqp(
     run = Exploration(form, chosen, executor, progress, started=started)
     stop = run.run()
     found = sorted(run.regions.values(), key=lambda region: (len(region.active), region.active))
-    regions = tuple(_critical_region(problem, form, region, chosen) for region in found)
+    regions = _critical_regions(problem, form, found)
     open_facets = sum(verdict is Verdict.OPEN for verdict in run.verdicts.values())
     complete = stop is Stop.DONE and not open_facets and not run.unclear
     seconds = perf_counter() - started
@@ -132,27 +131,39 @@ def solve_mpqp(
     )
 
 
-def _critical_region(problem: MpQp, form: Canonical, found: FoundRegion, settings: MpQpSettings) -> CriticalRegion:
-    """The region in the problem's own variables and parameters."""
-    active = np.array(found.active, dtype=np.int64)
-    _, v, _ = stationary(form.M, form.b, form.c, active, settings.angle)
-    law = form.back @ v[:, :-1] + form.shift
-    K = law[:, 1:] / form.half
-    k = law[:, 0] - K @ form.centre
-    A = found.N / form.half
-    b = found.h + A @ form.centre
-    length = np.linalg.norm(A, axis=1)
-    P, q, r = _value(problem, K, k)
-    rows = tuple(int(form.rows[row]) for row in found.active)
-    return CriticalRegion(A / length[:, None], b / length, K, k, P, q, r, rows, form.unscaled(found.centre))
+def _critical_regions(problem: MpQp, form: Canonical, found: list[FoundRegion]) -> tuple[CriticalRegion, ...]:
+    """Regions in the problem's own variables and parameters; the laws of all regions at once."""
+    if not found:
+        return ()
+    laws = form.back @ np.array([region.v[:, :-1] for region in found]) + form.shift
+    K = laws[:, :, 1:] / form.half
+    k = laws[:, :, 0] - K @ form.centre
+    P, q, r = _values(problem, K, k)
+    return tuple(
+        CriticalRegion(*_rows(form, region), *law, _stated_rows(form, region), form.unscaled(region.centre))
+        for region, *law in zip(found, K, k, P, q, r.tolist(), strict=True)
+    )
 
 
-def _value(problem: MpQp, K: Matrix, k: Vector) -> tuple[Matrix, Vector, float]:
-    """Coefficients of the objective along ``z = K theta + k``."""
+def _rows(form: Canonical, region: FoundRegion) -> tuple[Matrix, Vector]:
+    A = region.N / form.half
+    b = region.h + A @ form.centre
+    length = np.sqrt((A * A).sum(axis=1))
+    return A / length[:, None], b / length
+
+
+def _stated_rows(form: Canonical, region: FoundRegion) -> ActiveSet:
+    return tuple(form.rows[list(region.active)].tolist())
+
+
+def _values(problem: MpQp, K: Matrix, k: Matrix) -> tuple[Matrix, Matrix, Vector]:
+    """Coefficients of the objective along ``z = K theta + k``, for stacks of laws."""
     assert problem.Y is not None
     assert problem.y is not None
+    across = K.swapaxes(1, 2)
     cross = problem.F.T @ K
-    P = K.T @ problem.H @ K + cross + cross.T + problem.Y
-    q = K.T @ (problem.H @ k + problem.f) + problem.F.T @ k + problem.y
-    r = 0.5 * k @ problem.H @ k + problem.f @ k + problem.constant
-    return (P + P.T) / 2, q, float(r)
+    P = across @ problem.H @ K + cross + cross.swapaxes(1, 2) + problem.Y
+    pull = k @ problem.H + problem.f
+    q = (across @ pull[:, :, None])[:, :, 0] + k @ problem.F + problem.y
+    r = 0.5 * ((k @ problem.H) * k).sum(axis=1) + k @ problem.f + problem.constant
+    return (P + P.swapaxes(1, 2)) / 2, q, r

@@ -9,6 +9,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from enum import Enum
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -58,6 +59,7 @@ class Beyond:
     settings: MpQpSettings
     regions: Mapping[ActiveSet, FoundRegion]
     points: int = 0
+    _stacked: Any = None
 
     def open_facets(self, settled: Mapping[Key, Verdict]) -> Iterator[tuple[Key, FoundRegion, int]]:
         """Facets that the exchange of rows does not settle."""
@@ -102,7 +104,12 @@ class Beyond:
         own = self.regions.get(active)
         if own is not None and own.holds(s, tolerance):
             return own
-        return next((other for other in self.regions.values() if other.holds(s, tolerance)), None)
+        if not self._stacked:
+            self._stacked = _stack(list(self.regions.values()))
+        found, N, h, starts = self._stacked
+        excess = np.maximum.reduceat(N @ s - h, starts)
+        best = int(np.argmin(excess))
+        return found[best] if excess[best] <= tolerance else None
 
     def _strip(self, region: FoundRegion, facet: int) -> tuple[Rows, float]:
         """The facet moved outwards, thin in that direction and kept away from its edges."""
@@ -116,6 +123,13 @@ class Beyond:
                 break
         domain = self.form.domain
         return (np.vstack([rows, domain[:, 1:]]), np.concatenate([sides, domain[:, 0]])), float(margin)
+
+
+def _stack(found: list[FoundRegion]) -> Any:
+    """Rows of all regions in one matrix, and where each region's begin."""
+    starts = np.cumsum([0, *(len(region.h) for region in found[:-1])])
+    N, h = np.vstack([region.N for region in found]), np.concatenate([region.h for region in found])
+    return found, N, h, starts
 
 
 def _half_space(ray: Vector) -> Rows:

@@ -11,14 +11,20 @@ from typing import Any
 import numpy as np
 
 from hysdel_py.optimize.compiled import compiled
+from hysdel_py.optimize.parametric.factor import factor, solve_upper
 from hysdel_py.optimize.parametric.nearest import FOUND, NONE, nearest
 
 __all__ = ["facets", "inner_point", "same_rows"]
 
+_ANGLE = 1e-8
+"""Rows of a corner that are closer to dependence prove nothing."""
+
 
 @compiled
 def inner_point(N: Any, h: Any, guess: Any, margins: Any, violation: float, angle: float) -> Any:
-    """A point that keeps a distance from all rows: the first of the margins for which there is one.
+    """A point that keeps a distance from all rows: the greatest of the falling margins for which there is one.
+
+    If there is none for the first, the last one is tried at once, as most polyhedra without much room have no point at all.
 
     Returns
     -------
@@ -26,12 +32,17 @@ def inner_point(N: Any, h: Any, guess: Any, margins: Any, violation: float, angl
         FOUND, NONE or LOST.
     point : array of shape (n,)
     """
-    status, x = NONE, guess
-    for margin in margins:
+    status, x, _, _ = nearest(N, h - margins[0], guess, violation, angle)
+    if status == FOUND or len(margins) == 1:
+        return status, x
+    least = nearest(N, h - margins[-1], guess, violation, angle)
+    if least[0] != FOUND:
+        return least[0], least[1]
+    for margin in margins[1:-1]:
         status, x, _, _ = nearest(N, h - margin, guess, violation, angle)
         if status == FOUND:
             return status, x
-    return status, x
+    return least[0], least[1]
 
 
 @compiled
@@ -39,19 +50,11 @@ def same_rows(N: Any, h: Any, tolerance: float) -> Any:
     """For each row the first one that says the same up to the tolerance, often itself."""
     m, n = N.shape
     first = np.arange(m)
-    key = h.copy()
-    for column in range(n):
-        key += N[:, column] * np.cos(1.0 + column)
-    order = np.argsort(key)
-    for place in range(m):
-        row = order[place]
-        for later in range(place + 1, m):
-            other = order[later]
-            if key[other] - key[row] > (n + 1) * tolerance:
-                break
+    key = h + np.dot(N, np.cos(1.0 + np.arange(n)))
+    for row in range(m):
+        for other in np.flatnonzero(np.abs(key[row + 1 :] - key[row]) <= (n + 1) * tolerance) + row + 1:
             if abs(h[row] - h[other]) <= tolerance and np.max(np.abs(N[row] - N[other])) <= tolerance:
-                low = min(first[row], first[other])
-                first[row], first[other] = low, low
+                first[other] = min(first[row], first[other])
     return first
 
 
@@ -85,9 +88,11 @@ def facets(N: Any, h: Any, centre: Any, margin: float, violation: float, angle: 
     for row in range(m):
         while open_rows[row]:
             known[count], sides[count] = -N[row], -h[row]
-            status, x, _, _ = nearest(known[: count + 1], sides[: count + 1], centre, violation, angle)
+            status, x, active, _ = nearest(known[: count + 1], sides[: count + 1], centre, violation, angle)
             if status == NONE:
                 open_rows[row] = False
+                if len(active) == n + 1:
+                    _close(N, h, known[active[active < count]], sides[active[active < count]] + margin, open_rows)
                 break
             hit = _first_hit(N, slack, x - centre, margin) if status == FOUND else -1
             if hit >= 0 and not is_facet[hit]:
@@ -103,6 +108,21 @@ def facets(N: Any, h: Any, centre: Any, margin: float, violation: float, angle: 
                 lost -= hit + 1
                 open_rows[row] = False
     return is_facet, points, lost
+
+
+@compiled
+def _close(N: Any, h: Any, corner: Any, sides: Any, open_rows: Any) -> None:
+    """Close the rows that a corner of the known facets holds: non-negative combinations of its rows."""
+    n = N.shape[1]
+    Qt, R, rank = factor(corner, _ANGLE)
+    if rank < n or len(corner) != n:
+        return
+    rows = np.flatnonzero(open_rows)
+    weights = solve_upper(R, n, np.dot(Qt, N[rows].T))
+    for place in range(len(rows)):
+        own = weights[:, place].copy()
+        if np.min(own) >= 0 and np.sum(own * sides) <= h[rows[place]]:
+            open_rows[rows[place]] = False
 
 
 @compiled

@@ -4,12 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from hysdel_py.optimize.parametric.canonical import Canonical
+from hysdel_py.optimize.parametric.neighbours import ActiveSet, sets_beyond
 from hysdel_py.optimize.parametric.region import REGION, explore
 from hysdel_py.optimize.parametric.settings import MpQpSettings
 
@@ -17,7 +17,6 @@ __all__ = ["ActiveSet", "Facet", "FoundRegion", "Task", "explore_chunk"]
 
 Vector = NDArray[np.float64]
 Matrix = NDArray[np.float64]
-ActiveSet = tuple[int, ...]
 
 
 @dataclass(frozen=True, slots=True)
@@ -46,6 +45,8 @@ class FoundRegion:
     Attributes
     ----------
     active : tuple of int
+    v : array of shape (n, p + 2)
+        Law.
     centre : array of shape (p,)
     N, h : arrays of shapes (r, p), (r,)
         Facets as rows of length one.
@@ -57,6 +58,7 @@ class FoundRegion:
     """
 
     active: ActiveSet
+    v: Matrix
     centre: Vector
     N: Matrix
     h: Vector
@@ -81,30 +83,16 @@ def explore_chunk(
     form: Canonical, settings: MpQpSettings, tasks: Sequence[Task]
 ) -> list[tuple[ActiveSet, int, FoundRegion | None]]:
     """Status of each active set, and its region if it has one; runs in worker processes."""
-    margins, limits = settings.margins, settings.limits
-    return [(task.active, *_explored(form, task, margins, limits)) for task in tasks]
+    margins = settings.margins
+    return [(task.active, *_explored(form, task, margins, settings)) for task in tasks]
 
 
-def _explored(form: Canonical, task: Task, margins: Vector, limits: Vector) -> tuple[int, FoundRegion | None]:
-    active = np.array(task.active, dtype=np.int64)
-    answer = explore(form.M, form.b, form.c, form.domain, active, task.guess, margins, limits)
-    status = int(answer[0])
-    if status != REGION:
-        return status, None
-    _, centre, N, h, source, points, shared, beyond, lost = answer
-    sets = _sets_beyond(task.active, len(h), beyond)
-    facets = tuple(
-        Facet(bool(row < 0), bool(same), beyond_it)
-        for row, same, beyond_it in zip(source, shared, sets, strict=True)
+def _explored(form: Canonical, task: Task, margins: Vector, settings: MpQpSettings) -> tuple[int, FoundRegion | None]:
+    answer = explore(form, np.array(task.active, dtype=np.int64), task.guess, margins, settings)
+    if answer.status != REGION:
+        return answer.status, None
+    sets = sets_beyond(form, task.active, answer.source, settings.exchange)
+    facets = tuple(map(Facet, (answer.source < 0).tolist(), answer.shared.tolist(), sets))
+    return REGION, FoundRegion(
+        task.active, answer.v, answer.centre, answer.N, answer.h, answer.points, facets, answer.lost
     )
-    return REGION, FoundRegion(task.active, centre, N, h, points, facets, int(lost))
-
-
-def _sets_beyond(active: ActiveSet, count: int, beyond: NDArray[np.int64]) -> list[tuple[ActiveSet, ...]]:
-    sets: list[Any] = [[] for _ in range(count)]
-    for facet, leaving, entering in beyond.tolist():
-        rows = [row for row in active if row != leaving]
-        sets[facet].append(tuple(sorted([*rows, entering])) if entering >= 0 else tuple(rows))
-    return [tuple(each) for each in sets]
-
-

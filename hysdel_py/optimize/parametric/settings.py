@@ -64,11 +64,6 @@ class MpQpSettings:
                 raise ArgumentError(f"{name} is {getattr(self, name)}: a positive number was expected")
 
     @property
-    def limits(self) -> NDArray[np.float64]:
-        """Tolerances of one active set, as the kernels take them."""
-        return np.array([self.violation, self.angle, self.exchange, self.zero, self.same])
-
-    @property
     def margins(self) -> NDArray[np.float64]:
         """Distances tried for inner points, falling to the radius."""
         steps: list[Any] = [size for size in (1e-2, 1e-3, 1e-5, 1e-7) if size > self.radius]
