@@ -154,25 +154,23 @@ class _Comparison:
     def at(cls, law: ExplicitLaw, online: OnlineProblem, theta: Vector) -> _Comparison:
         status, z, value = online.solve(theta)
         region = law.locate(theta)
+        if status is QpStatus.OPTIMAL and region == OUTSIDE:
+            return cls(feasible=True, missing=float(np.min(law.domain.slack(theta))) > law.tolerance)
         if status is QpStatus.OPTIMAL:
-            return _with_solution(law, online.problem, region, theta, z, value)
+            return cls(
+                feasible=True,
+                law_error=_move_error(law, region, theta, z),
+                violation=_violation(online.problem, law, region, theta) if law.has_value else 0.0,
+                value_error=abs(law.value(theta) - value) / max(1.0, abs(value)) if law.has_value else 0.0,
+            )
         if status is QpStatus.INFEASIBLE:
             return cls(superfluous=region != OUTSIDE and float(np.min(law.excess(theta))) < -law.tolerance)
         return cls(undecided=True)
 
 
-def _with_solution(
-    law: ExplicitLaw, problem: MpQp, region: int, theta: Vector, z: Vector, value: float
-) -> _Comparison:
-    if region == OUTSIDE:
-        room = float(np.min(law.domain_b - law.domain_A @ theta))
-        return _Comparison(feasible=True, missing=room > law.tolerance)
+def _move_error(law: ExplicitLaw, region: int, theta: Vector, z: Vector) -> float:
     own = law.K[region, : law.moves] @ theta + law.k[region, : law.moves]
-    error = float(np.max(np.abs(own - z[: law.moves]))) / max(1.0, float(np.max(np.abs(own))))
-    if not law.has_value:
-        return _Comparison(feasible=True, law_error=error)
-    gap = abs(law.value(theta) - value) / max(1.0, abs(value))
-    return _Comparison(feasible=True, law_error=error, violation=_violation(problem, law, region, theta), value_error=gap)
+    return float(np.max(np.abs(own - z[: law.moves]))) / max(1.0, float(np.max(np.abs(own))))
 
 
 def _violation(problem: MpQp, law: ExplicitLaw, region: int, theta: Vector) -> float:
@@ -188,8 +186,8 @@ def _violation(problem: MpQp, law: ExplicitLaw, region: int, theta: Vector) -> f
 def random_points(law: ExplicitLaw, count: int, rng: np.random.Generator) -> Array:
     """Points spread over the domain by a hit-and-run walk."""
     settings = MpQpSettings()
-    length = np.linalg.norm(law.domain_A, axis=1)
-    A, b = law.domain_A / length[:, None], law.domain_b / length
+    length = law.domain.lengths
+    A, b = law.domain.A / length[:, None], law.domain.b / length
     point = point_inside((A, b), settings.radius, settings)
     if point is None:
         return np.zeros((0, law.p))

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+from itertools import pairwise
 from os import PathLike
+from typing import Any
 from zipfile import BadZipFile
 
 import numpy as np
@@ -10,28 +12,32 @@ from numpy.typing import NDArray
 
 from hysdel_py.control.explicit_law import ExplicitLaw
 from hysdel_py.errors import ArgumentError
+from hysdel_py.geometry.polyhedron import Polyhedron
 
 __all__ = ["load_law", "save_law"]
 
 _FORMAT = 1
-_ARRAYS = ("A", "b", "starts", "K", "k", "P", "q", "r", "domain_A", "domain_b")
+_ARRAYS = ("A", "b", "starts", "K", "k", "P", "q", "r")
 
 
 def save_law(law: ExplicitLaw, path: str | PathLike[str]) -> None:
     """Write a law; nothing in the file needs to be executed to read it."""
-    sets = {"active": np.array([row for rows in law.active for row in rows], dtype=np.int64),
-            "active_starts": np.cumsum([0, *(len(rows) for rows in law.active)])}  # fmt: skip
     with open(path, "wb") as file:
-        np.savez(
-            file,
-            format=np.array(_FORMAT),
-            moves=np.array(law.moves),
-            names=np.array(law.names),
-            complete=np.array(law.complete),
-            tolerance=np.array(law.tolerance),
-            **sets,
-            **{name: getattr(law, name) for name in _ARRAYS},
-        )
+        np.savez(file, **_content(law))
+
+
+def _content(law: ExplicitLaw) -> dict[str, Any]:
+    return {name: getattr(law, name) for name in _ARRAYS} | {
+        "format": np.array(_FORMAT),
+        "moves": np.array(law.moves),
+        "names": np.array(law.names),
+        "complete": np.array(law.complete),
+        "tolerance": np.array(law.tolerance),
+        "domain_sides": law.domain.b,
+        "domain_rows": law.domain.A,
+        "active": np.array([row for rows in law.active for row in rows], dtype=np.int64),
+        "active_starts": np.cumsum([0, *(len(rows) for rows in law.active)]),
+    }
 
 
 def load_law(path: str | PathLike[str]) -> ExplicitLaw:
@@ -51,6 +57,7 @@ def load_law(path: str | PathLike[str]) -> ExplicitLaw:
         raise ArgumentError(f"{path} holds no explicit law of format {_FORMAT}")
     return ExplicitLaw(
         **{name: content[name] for name in _ARRAYS},
+        domain=Polyhedron(content["domain_rows"], content["domain_sides"]),
         active=_sets(content["active"], content["active_starts"]),
         moves=int(content["moves"]),
         names=tuple(str(name) for name in content["names"]),
@@ -61,4 +68,4 @@ def load_law(path: str | PathLike[str]) -> ExplicitLaw:
 
 def _sets(rows: NDArray[np.int64], starts: NDArray[np.int64]) -> tuple[tuple[int, ...], ...]:
     ends = starts.tolist()
-    return tuple(tuple(rows[a:b].tolist()) for a, b in zip(ends[:-1], ends[1:], strict=True))
+    return tuple(tuple(rows[a:b].tolist()) for a, b in pairwise(ends))

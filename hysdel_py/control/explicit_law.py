@@ -44,7 +44,7 @@ class ExplicitLaw:
     P, q, r : arrays of shapes (count, p, p), (count, p), (count,); of length 0 in a law without value function
     active : tuple of tuple of int
         Rows that hold with equality in each region.
-    domain_A, domain_b : arrays of shapes (d, p), (d,)
+    domain : Polyhedron
         Parameters that were asked for.
     moves : int
         The first so many entries of z are the move.
@@ -65,8 +65,7 @@ class ExplicitLaw:
     q: Array
     r: Vector
     active: tuple[tuple[int, ...], ...]
-    domain_A: Array
-    domain_b: Vector
+    domain: Polyhedron
     moves: int
     names: tuple[str, ...]
     complete: bool
@@ -108,8 +107,7 @@ class ExplicitLaw:
             q=np.array([region.q for region in regions]).reshape(-1, p),
             r=np.array([region.r for region in regions], dtype=float),
             active=tuple(region.active for region in regions),
-            domain_A=np.array(problem.theta.A),
-            domain_b=np.array(problem.theta.b),
+            domain=problem.theta,
             moves=n if moves is None else moves,
             names=tuple(f"p{j}" for j in range(p)) if names is None else tuple(names),
             complete=solution.complete,

@@ -38,15 +38,25 @@ def fix(law: ExplicitLaw, values: Mapping[str | int, float]) -> ExplicitLaw:
     at = np.array([given[j] for j in fixed.tolist()])
     pieces = [(region, _cut(law.polyhedron(region), free, fixed, at)) for region in range(law.count)]
     kept = [(region, piece) for region, piece in pieces if piece is not None]
-    domain_A, domain_b = _rows(law.domain_A, law.domain_b, free, fixed, at)
-    real = np.linalg.norm(domain_A, axis=1) > _SHORT
-    return replace(_laws(law, [region for region, _ in kept], free, fixed, at),
+    A, b = _rows(law.domain.A, law.domain.b, free, fixed, at)
+    real = np.linalg.norm(A, axis=1) > _SHORT
+    regions = [region for region, _ in kept]
+    K, k = law.K[regions], law.k[regions]
+    P, q, r = _value(law, regions, free, fixed, at)
+    return replace(
+        law,
         A=np.vstack([np.zeros((0, len(free))), *(piece.A for _, piece in kept)]),
         b=np.concatenate([np.zeros(0), *(piece.b for _, piece in kept)]),
         starts=np.cumsum([0, *(piece.m for _, piece in kept)]),
-        domain_A=domain_A[real], domain_b=domain_b[real],
+        K=K[:, :, free],
+        k=k + K[:, :, fixed] @ at,
+        P=P,
+        q=q,
+        r=r,
+        active=tuple(law.active[region] for region in regions),
+        domain=Polyhedron(A[real], b[real]),
         names=tuple(law.names[j] for j in free.tolist()),
-    )  # fmt: skip
+    )
 
 
 def _position(law: ExplicitLaw, name: str | int) -> int:
@@ -72,22 +82,11 @@ def _cut(region: Polyhedron, free: Array, fixed: Array, at: Vector) -> Polyhedro
     return None if section.is_empty or section.is_flat else section.minimal()
 
 
-def _laws(law: ExplicitLaw, kept: list[int], free: Array, fixed: Array, at: Vector) -> ExplicitLaw:
-    """Laws and values of some regions with the given parameters put in; the rows are left to the caller."""
-    K, k = law.K[kept], law.k[kept]
-    changed = {
-        "K": K[:, :, free],
-        "k": k + K[:, :, fixed] @ at,
-        "active": tuple(law.active[region] for region in kept),
-        "P": np.zeros((0, len(free), len(free))),
-        "q": np.zeros((0, len(free))),
-        "r": np.zeros(0),
-        "A": np.zeros((0, len(free))),
-        "names": tuple(law.names[j] for j in free.tolist()),
-    }
-    if law.has_value:
-        P, q = law.P[kept], law.q[kept]
-        changed["P"] = P[:, free][:, :, free]
-        changed["q"] = q[:, free] + P[:, free][:, :, fixed] @ at
-        changed["r"] = law.r[kept] + q[:, fixed] @ at + 0.5 * (P[:, fixed][:, :, fixed] @ at) @ at
-    return replace(law, **changed)
+def _value(law: ExplicitLaw, kept: list[int], free: Array, fixed: Array, at: Vector) -> tuple[Array, Array, Vector]:
+    """Values of some regions with the given parameters put in."""
+    if not law.has_value:
+        return np.zeros((0, len(free), len(free))), np.zeros((0, len(free))), np.zeros(0)
+    P, q = law.P[kept], law.q[kept]
+    across = P[:, free][:, :, fixed] @ at
+    own = 0.5 * (P[:, fixed][:, :, fixed] @ at) @ at
+    return P[:, free][:, :, free], q[:, free] + across, law.r[kept] + q[:, fixed] @ at + own

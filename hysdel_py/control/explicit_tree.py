@@ -42,7 +42,7 @@ class LawTree:
     targets: NDArray[np.int64]
 
     def locate(self, zeta: ArrayLike) -> int:
-        """Region at the leaf of a point, which may lie outside of it if no region holds the point; -1 without a leaf."""
+        """Region at the leaf of a point, -1 without a leaf; where no region holds the point, some region."""
         leaf = self.tree.locate(zeta, nearest=True).leaf
         return int(self.targets[leaf]) if leaf >= 0 else -1
 
@@ -132,7 +132,7 @@ class _Growth:
     ) -> tuple[list[int], list[int]]:
         below, above = [], []
         for region in regions:
-            low, high = self._sides(number, region, normals[number], float(offsets[number]), float(values[number, region]))
+            low, high = self._sides(number, region, normals[number], offsets[number], values[number, region])
             if low:
                 below.append(region)
             if high:
@@ -159,5 +159,3 @@ def _hyperplanes(law: ExplicitLaw) -> tuple[Array, Vector]:
     _, first = np.unique(np.round(table, 8) + 0.0, axis=0, return_index=True)
     chosen = table[np.sort(first)]
     return chosen[:, :-1].copy(), chosen[:, -1].copy()
-
-

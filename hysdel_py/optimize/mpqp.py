@@ -139,9 +139,19 @@ def _critical_regions(problem: MpQp, form: Canonical, found: list[FoundRegion]) 
     K = laws[:, :, 1:] / form.half
     k = laws[:, :, 0] - K @ form.centre
     P, q, r = _values(problem, K, k)
+    values = r.tolist()
     return tuple(
-        CriticalRegion(*_rows(form, region), *law, _stated_rows(form, region), form.unscaled(region.centre))
-        for region, *law in zip(found, K, k, P, q, r.tolist(), strict=True)
+        CriticalRegion(
+            *_rows(form, region),
+            K[i],
+            k[i],
+            P[i],
+            q[i],
+            values[i],
+            active=_stated_rows(form, region),
+            centre=form.unscaled(region.centre),
+        )
+        for i, region in enumerate(found)
     )
 
 

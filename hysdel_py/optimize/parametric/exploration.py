@@ -156,5 +156,3 @@ class Exploration:
                     new[task.active] = task.guess
         self.points += judge.points
         return [Task(active, new[active]) for active in sorted(new)]
-
-

@@ -24,7 +24,7 @@ _ANGLE = 1e-8
 def inner_point(N: Any, h: Any, guess: Any, margins: Any, violation: float, angle: float) -> Any:
     """A point that keeps a distance from all rows: the greatest of the falling margins for which there is one.
 
-    If there is none for the first, the last one is tried at once, as most polyhedra without much room have no point at all.
+    If there is none for the first, the last one is tried at once: what has little room often has none.
 
     Returns
     -------
@@ -156,9 +156,7 @@ def _first_hit(N: Any, slack: Any, direction: Any, margin: float) -> int:
 
 
 @compiled
-def _judge(
-    N: Any, h: Any, centre: Any, row: int, others: Any, margin: float, violation: float, angle: float
-) -> Any:
+def _judge(N: Any, h: Any, centre: Any, row: int, others: Any, margin: float, violation: float, angle: float) -> Any:
     """The row with a point of its facet, or -1 if it has none, -2 if that could not be found out."""
     kept = np.flatnonzero(others)
     rows, sides = N[kept], h[kept] - margin

@@ -53,8 +53,8 @@ class Point:
 def solve_at(form: Canonical, s: Vector, settings: MpQpSettings, tie: float | None = None) -> Point:
     """Solve the canonical problem at scaled parameters, with ties broken by a small perturbation.
 
-    Without curvature in all directions the proximal point method is used (R. Rockafellar, 1976), each step of which is a
-    nearest-point problem.
+    Without curvature in all directions the proximal point method is used (R. Rockafellar, "Monotone operators and the
+    proximal point algorithm", SIAM Journal on Control and Optimization 14, 1976); each step is a nearest-point problem.
     """
     size = settings.tie if tie is None else tie
     weights = np.concatenate([[1.0], s, [size]])

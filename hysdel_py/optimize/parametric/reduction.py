@@ -114,7 +114,7 @@ def _box(theta: Polyhedron) -> tuple[Vector, Vector]:
 
 def _over_scaled(constant: Vector, coefficients: Matrix, centre: Vector, half: Vector) -> Matrix:
     """``constant + coefficients theta`` as columns over (1, s)."""
-    return np.column_stack([constant + coefficients @ centre, coefficients * half])
+    return np.asarray(np.column_stack([constant + coefficients @ centre, coefficients * half]))
 
 
 def _without_equalities(problem: MpQp, tight: list[int], centre: Vector, half: Vector) -> _Affine:
@@ -123,10 +123,12 @@ def _without_equalities(problem: MpQp, tight: list[int], centre: Vector, half: V
     assert problem.e is not None
     assert problem.D is not None
     E = np.vstack([problem.E, problem.G[tight]])
-    right = np.vstack([
-        _over_scaled(problem.e, problem.D, centre, half),
-        _over_scaled(problem.w[tight], problem.S[tight], centre, half),
-    ])
+    right = np.vstack(
+        [
+            _over_scaled(problem.e, problem.D, centre, half),
+            _over_scaled(problem.w[tight], problem.S[tight], centre, half),
+        ]
+    )
     if not len(E):
         return _Affine(np.eye(problem.n), np.zeros((problem.n, problem.p + 1)))
     U, size, Vt = np.linalg.svd(E)
@@ -178,7 +180,7 @@ def _curvature(H: Matrix, settings: MpQpSettings) -> tuple[Matrix, Matrix]:
         raise ArgumentError(f"H has the eigenvalue {values[0]:.3g}: a positive semidefinite matrix was expected")
     real = values > settings.curvature * greatest
     if real.all() and len(values):
-        return np.linalg.solve(np.linalg.cholesky(H), np.eye(len(H))).T, np.zeros((len(H), 0))
+        return np.asarray(np.linalg.solve(np.linalg.cholesky(H), np.eye(len(H))).T), np.zeros((len(H), 0))
     return vectors[:, real] / np.sqrt(values[real]), vectors[:, ~real]
 
 
@@ -203,7 +205,7 @@ def _normals(sides: Matrix) -> Matrix:
     if np.any(sides[trivial, 0] < -1e-9):
         raise ArgumentError("a row without z says 0 <= a negative number: no theta is feasible")
     real = ~trivial
-    return np.column_stack([sides[real, 0], normal[real]]) / length[real, None]
+    return np.asarray(np.column_stack([sides[real, 0], normal[real]]) / length[real, None])
 
 
 def _spread(count: int, low: float, high: float) -> Vector:
