@@ -147,12 +147,12 @@ def _first_hit(N: Any, slack: Any, direction: Any, margin: float) -> int:
     """Row that a ray from the centre meets first, or -1 if another one is closer than the margin there."""
     speed = np.dot(N, direction)
     rate = speed / slack
-    hit = int(np.argmax(rate))
+    hit = int(rate.argmax())
     if rate[hit] <= 0:
         return -1
     left = slack - speed / rate[hit]
     left[hit] = np.inf
-    return hit if np.min(left) > margin else -1
+    return hit if left.min() > margin else -1
 
 
 @compiled

@@ -21,12 +21,12 @@ def append(Qt: Any, R: Any, k: int, d: Any) -> None:
     """Let a vector enter as number k; `d` is ``Qt a`` and ``d[k:]`` is not zero."""
     R[:k, k] = d[:k]
     tail = d[k:].copy()
-    length = np.sqrt(np.sum(tail * tail))
+    length = np.sqrt(np.dot(tail, tail))
     if tail[0] > 0:
         length = -length
     R[k, k] = length
     tail[0] -= length
-    square = np.sum(tail * tail)
+    square = np.dot(tail, tail)
     if square > 0:
         coefficients = np.dot(tail, Qt[k:]) * (2.0 / square)
         for row in range(len(tail)):
@@ -68,7 +68,7 @@ def factor(rows: Any, tolerance: float) -> Any:
             return Qt, R, row
         d = np.dot(Qt, rows[row])
         rest = d[row:]
-        if np.sqrt(np.sum(rest * rest)) <= tolerance:
+        if np.sqrt(np.dot(rest, rest)) <= tolerance:
             return Qt, R, row
         append(Qt, R, row, d)
     return Qt, R, k

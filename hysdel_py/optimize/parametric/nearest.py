@@ -15,6 +15,9 @@ from hysdel_py.optimize.parametric.factor import append, remove
 
 __all__ = ["FOUND", "LOST", "NONE", "nearest"]
 
+_NOTHING = 1e-14
+"""A multiplier that falls more slowly never limits a step."""
+
 FOUND, NONE, LOST = 0, 1, 2
 """Answers: a point; there is none (with multipliers that prove it); too many steps."""
 
@@ -51,17 +54,19 @@ def nearest(N: Any, h: Any, centre: Any, violation: float, angle: float) -> Any:
     k = 0
     for _ in range(20 * (m + n) + 50):
         excess = np.dot(N, x) - h
-        entering = int(np.argmax(excess)) if m else 0
+        entering = int(excess.argmax()) if m else 0
         if m == 0 or excess[entering] <= violation:
             return FOUND, x, active[:k].copy(), u[:k].copy()
         u[k], active[k] = 0.0, entering
         while True:
             d = np.dot(Qt, N[entering])
-            r = _back(R, k, d)
-            rest = np.sum(d[k:] * d[k:])
+            r = d[:k].copy()
+            for i in range(k - 1, -1, -1):
+                r[i] = (r[i] - np.dot(R[i, i + 1 : k], r[i + 1 :])) / R[i, i]
+            rest = np.dot(d[k:], d[k:])
             step, leaving = np.inf, -1
             for i in range(k):
-                if r[i] > 1e-14 and u[i] < step * r[i]:
+                if r[i] > _NOTHING and u[i] < step * r[i]:
                     step, leaving = u[i] / r[i], i
             full = np.inf
             if k < n and np.sqrt(rest) > angle:
@@ -84,12 +89,3 @@ def nearest(N: Any, h: Any, centre: Any, violation: float, angle: float) -> Any:
                 active[i], u[i] = active[i + 1], u[i + 1]
             k -= 1
     return LOST, x, active[:k].copy(), u[:k].copy()
-
-
-@compiled
-def _back(R: Any, k: int, d: Any) -> Any:
-    """``R^-1 d`` of the leading block."""
-    r = d[:k].copy()
-    for i in range(k - 1, -1, -1):
-        r[i] = (r[i] - np.sum(R[i, i + 1 : k] * r[i + 1 :])) / R[i, i]
-    return r
