@@ -37,7 +37,7 @@ class LawCertificate:
     missing : int
         Feasible ones that no region holds.
     superfluous : int
-        Infeasible ones that a region holds by more than the tolerance.
+        Infeasible or unbounded ones that a region holds by more than the tolerance.
     law_error : float
         Greatest difference of the moves, relative to 1 and their size.
     violation : float
@@ -46,8 +46,12 @@ class LawCertificate:
         Greatest difference of the values, relative to 1 and their size; nan for a law without value function.
     overlaps : int
         Values of theta well inside two regions with different moves.
-    jump : float
-        Greatest difference of the moves of two regions at a common point of their boundary.
+    jump, value_jump : float
+        Greatest difference of the moves, and of the values relative to 1 and their size, of two regions at a common
+        point of their boundary.
+    unique : bool
+        Whether H is positive definite, so that the solution is unique and continuous; where it is not, another
+        solution is no error and the moves may jump.
     undecided : int
         Values of theta at which the online solver proved nothing.
     """
@@ -61,6 +65,8 @@ class LawCertificate:
     value_error: float
     overlaps: int
     jump: float
+    value_jump: float
+    unique: bool
     undecided: int
 
     def holds(self, accuracy: float = 1e-6) -> bool:
@@ -70,8 +76,9 @@ class LawCertificate:
         weakly active, so that the moves are compared with that; feasibility and value are what proves them.
         """
         clean = not (self.missing or self.superfluous or self.overlaps)
-        exact = max(np.nan_to_num(self.value_error), np.nan_to_num(self.violation), self.jump)
-        return bool(clean and exact <= accuracy and self.law_error <= np.sqrt(accuracy))
+        exact = np.nan_to_num([self.value_error, self.violation, self.value_jump]).max()
+        same = not self.unique or (self.jump <= accuracy and self.law_error <= np.sqrt(accuracy))
+        return bool(clean and exact <= accuracy and same)
 
 
 def certify(law: ExplicitLaw, problem: MpQp, samples: int = 200, seed: int = 0) -> LawCertificate:
@@ -86,7 +93,7 @@ def certify(law: ExplicitLaw, problem: MpQp, samples: int = 200, seed: int = 0) 
     """
     rng = np.random.default_rng(seed)
     points = random_points(law, samples - samples // 2, rng)
-    boundary, jump = _boundary(law, samples // 2, rng)
+    boundary, jumps = _boundary(law, samples // 2, rng)
     online = OnlineProblem(problem)
     answers = [_Comparison.at(law, online, point) for point in np.vstack([points, boundary])]
     return LawCertificate(
@@ -98,7 +105,9 @@ def certify(law: ExplicitLaw, problem: MpQp, samples: int = 200, seed: int = 0) 
         violation=max((answer.violation for answer in answers), default=0.0) if law.has_value else np.nan,
         value_error=max((answer.value_error for answer in answers), default=0.0) if law.has_value else np.nan,
         overlaps=sum(_doubled(law, point) for point in points),
-        jump=jump,
+        jump=float(jumps[0]),
+        value_jump=float(jumps[1]),
+        unique=_is_definite(problem),
         undecided=sum(answer.undecided for answer in answers),
     )
 
@@ -163,7 +172,7 @@ class _Comparison:
                 violation=_violation(online.problem, law, region, theta) if law.has_value else 0.0,
                 value_error=abs(law.value(theta) - value) / max(1.0, abs(value)) if law.has_value else 0.0,
             )
-        if status is QpStatus.INFEASIBLE:
+        if status in (QpStatus.INFEASIBLE, QpStatus.UNBOUNDED):
             return cls(superfluous=region != OUTSIDE and float(np.min(law.excess(theta))) < -law.tolerance)
         return cls(undecided=True)
 
@@ -210,16 +219,21 @@ def _walk(A: Array, b: Vector, point: Vector, rng: np.random.Generator) -> Vecto
     return np.asarray(point + rng.uniform(low, high) * direction)
 
 
-def _boundary(law: ExplicitLaw, count: int, rng: np.random.Generator) -> tuple[Array, float]:
-    """Points on facets of random regions, and the greatest jump of the moves there."""
-    points, jump = [], 0.0
+def _is_definite(problem: MpQp) -> bool:
+    values = np.linalg.eigvalsh(problem.H)
+    return bool(values[0] > MpQpSettings().curvature * max(float(values[-1]), 0.0))
+
+
+def _boundary(law: ExplicitLaw, count: int, rng: np.random.Generator) -> tuple[Array, Vector]:
+    """Points on facets of random regions, and the greatest jumps of the moves and of the value there."""
+    points, jumps = [], np.zeros(2)
     for row in rng.integers(0, len(law.b), count) if len(law.b) else []:
         region = int(np.searchsorted(law.starts, row, side="right")) - 1
         point = _on_facet(law, region, int(row - law.starts[region]))
         if point is not None:
             points.append(point)
-            jump = max(jump, _jump(law, region, point))
-    return np.array(points).reshape(-1, law.p), jump
+            jumps = np.maximum(jumps, _jumps(law, region, point))
+    return np.array(points).reshape(-1, law.p), jumps
 
 
 def _on_facet(law: ExplicitLaw, region: int, row: int) -> Vector | None:
@@ -235,10 +249,15 @@ def _on_facet(law: ExplicitLaw, region: int, row: int) -> Vector | None:
     return None
 
 
-def _jump(law: ExplicitLaw, region: int, point: Vector) -> float:
+def _jumps(law: ExplicitLaw, region: int, point: Vector) -> Vector:
     others: NDArray[np.intp] = np.flatnonzero(law.excess(point) <= law.tolerance)
     moves = law.K[:, : law.moves] @ point + law.k[:, : law.moves]
-    return float(np.max(np.abs(moves[others] - moves[region]), initial=0.0))
+    jump = np.max(np.abs(moves[others] - moves[region]), initial=0.0)
+    if not law.has_value:
+        return np.array([jump, 0.0])
+    values = 0.5 * (law.P @ point) @ point + law.q @ point + law.r
+    gap = np.max(np.abs(values[others] - values[region]), initial=0.0) / max(1.0, abs(values[region]))
+    return np.array([jump, gap])
 
 
 def _doubled(law: ExplicitLaw, point: Vector) -> bool:
