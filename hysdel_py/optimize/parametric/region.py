@@ -87,7 +87,7 @@ def region_rows(M: Any, b: Any, domain: Any, active: Any, v: Any, multipliers: A
     excess = np.dot(M, v) - b
     N, h = np.empty((m + len(domain), p)), np.empty(m + len(domain))
     source = np.empty(m + len(domain), dtype=np.int64)
-    size = 1.0 + np.max(np.abs(v))
+    size = 1.0 + (np.max(np.abs(v)) if v.size else 0.0)
     weight = 1.0 + (np.max(np.abs(multipliers)) if k else 0.0)
     count = 0
     for row in range(m + k):
