@@ -8,6 +8,9 @@ from hysdel_py.control.explicit_law import ExplicitLaw, Vector
 
 __all__ = ["describe_law"]
 
+_ROUNDING = 1e-12
+"""Share of the greatest number of a sum below which a number is rounding."""
+
 
 def describe_law(law: ExplicitLaw) -> str:
     """Sizes, then for each region its rows and its move."""
@@ -34,11 +37,18 @@ def _region(law: ExplicitLaw, region: int) -> list[str]:
 def _sum(coefficients: Vector, constant: float, names: tuple[str, ...]) -> str:
     """A sum of terms; what rounding leaves of a zero is left out."""
     size = max(float(np.abs(coefficients).max(initial=0.0)), abs(constant))
-    text = ""
-    for coefficient, name in zip(coefficients, names, strict=True):
-        if abs(coefficient) > 1e-12 * size:
-            text += f" {'-' if coefficient < 0 else '+'} {abs(coefficient):.6g}*{name}"
-    if abs(constant) > 1e-12 * size:
-        text += f" {'-' if constant < 0 else '+'} {abs(constant):.6g}"
-    text = text.strip() or "0"
-    return text.removeprefix("+ ") if text.startswith("+") else text.replace("- ", "-", 1) if text[0] == "-" else text
+    numbers = [*coefficients.tolist(), float(constant)]
+    terms = [
+        _term(number, name)
+        for number, name in zip(numbers, [*names, ""], strict=True)
+        if abs(number) > _ROUNDING * size
+    ]
+    text = " ".join(terms) or "+ 0"
+    return text[2:] if text.startswith("+") else "-" + text[2:]
+
+
+def _term(number: float, name: str) -> str:
+    """One term with its sign in front; a coefficient of one is not written."""
+    size = f"{abs(number):.6g}"
+    factor = name if name and size == "1" else f"{size}*{name}" if name else size
+    return f"{'-' if number < 0 else '+'} {factor}"

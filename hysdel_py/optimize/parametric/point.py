@@ -69,7 +69,7 @@ def solve_at(form: Canonical, s: Vector, settings: MpQpSettings) -> Point:
     sides = form.b @ np.concatenate([[1.0], s, [settings.tie]])
     slope = form.c[:, :-1] @ np.concatenate([[1.0], s])
     answer = _proximal_steps(form.M, sides, slope, settings)
-    active = answer.active.tolist()
+    active: list[int] = answer.active.tolist()
     if answer.status is PointStatus.OPTIMAL and form.free:
         active = _corner(form, answer, sides, settings)
     ray = answer.multipliers @ form.b[answer.active, : form.p + 1]
@@ -107,7 +107,7 @@ def _corner(form: Canonical, answer: _Answer, sides: Vector, settings: MpQpSetti
     """Rows that fix v2 at the solution which the cost of ties prefers."""
     curved = form.n - form.free
     flat = form.M[:, curved:]
-    active = answer.active.tolist()
+    active: list[int] = answer.active.tolist()
     if np.linalg.matrix_rank(flat[active], tol=settings.exchange) == form.free:
         return active
     real = np.linalg.norm(flat, axis=1) > settings.exchange
