@@ -3,10 +3,10 @@
     python benchmarks/mpqp.py [NAME ...] [--largest 700] [--ppopt] [--check 0] [--repeat 3]
 
 Without names all problems of tests/data/mpqp with at most --largest regions run. Times are CPU seconds of one process,
-the least of --repeat runs after a first one that compiles the kernels where numba is installed. `LDP` counts nearest-point
-problems per region; counting runs the kernels as plain Python, so that it is off unless --count is given. --ppopt runs
-the combinatorial graph and the geometric algorithm of PPOPT (pip install ppopt) and prints what each finds. --check N
-compares law and value with the problem solved online at N parameters.
+the least of --repeat runs after a first one that compiles the kernels where numba is installed. --count counts the
+nearest-point problems (LDP) per region, with plain kernels in a process of its own. --ppopt runs the combinatorial
+graph and the geometric algorithm of PPOPT (pip install ppopt) and prints what each finds. --check N compares law
+and value with the problem solved online at N parameters.
 """
 
 from __future__ import annotations

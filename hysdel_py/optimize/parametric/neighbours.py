@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hysdel_py.optimize.parametric.canonical import Canonical
+from hysdel_py.optimize.parametric.factor import factor, solve_upper
 
 __all__ = ["ActiveSet", "sets_beyond"]
 
@@ -42,13 +43,14 @@ def _entering(
     """A row that is violated beyond the facet enters, in exchange for another if it depends on the active ones."""
     if not len(active):
         return [((row,),) for row in rows.tolist()]
-    Q, R = np.linalg.qr(form.M[list(active)].T)
-    inside = form.M[rows] @ Q
-    rest = np.linalg.norm(form.M[rows] - inside @ Q.T, axis=1)
-    independent = (rest > tolerance) & (len(active) < form.n)
+    k = len(active)
+    Qt, R, _ = factor(form.M[list(active)], 0.0)
+    parts = Qt @ form.M[rows].T
+    rest = parts[k:]
+    independent = (rest * rest).sum(axis=0) > tolerance**2
     if independent.all():
         return [(_with(active, row),) for row in rows.tolist()]
-    weights = np.linalg.solve(R, inside.T).T
+    weights = solve_upper(R, k, parts[:k].copy()).T
     return [
         (_with(active, row),) if alone else _exchanged(active, row, weight > tolerance)
         for row, alone, weight in zip(rows.tolist(), independent, weights, strict=True)
