@@ -11,11 +11,13 @@ from hysdel_py.version import __version__
 if TYPE_CHECKING:
     from hysdel_py.control.closed_loop import closed_loop
     from hysdel_py.control.costs import Cost
+    from hysdel_py.control.explicit_law import ExplicitLaw
     from hysdel_py.control.hybrid_mpc import HybridMpc, Move, MoveStatus
     from hysdel_py.control.limits import Limits
     from hysdel_py.errors import ArgumentError, CompileError, HysdelError, SimulationError
     from hysdel_py.export.reading import read_json
     from hysdel_py.model import Model, load, to_dha, to_mld, to_symbolic_mld
+    from hysdel_py.optimize.mpqp import MpQp, MpQpSettings, ParametricSolution, solve_mpqp
     from hysdel_py.shipped import shipped_models
     from hysdel_py.systems.dha import Dha
     from hysdel_py.systems.mld import Mld
@@ -23,9 +25,10 @@ if TYPE_CHECKING:
     from hysdel_py.systems.trajectory import Trajectory
 
 __all__ = [
-    "ArgumentError", "CompileError", "Cost", "Dha", "HybridMpc", "HysdelError", "Limits", "Mld", "Model", "Move",
-    "MoveStatus", "SimulationError", "Trajectory", "__version__", "closed_loop", "load", "read_json", "shipped_models",
-    "simulate", "to_dha", "to_mld", "to_symbolic_mld",
+    "ArgumentError", "CompileError", "Cost", "Dha", "ExplicitLaw", "HybridMpc", "HysdelError", "Limits", "Mld",
+    "Model", "Move", "MoveStatus", "MpQp", "MpQpSettings", "ParametricSolution", "SimulationError", "Trajectory",
+    "__version__", "closed_loop", "load", "read_json", "shipped_models", "simulate", "solve_mpqp", "to_dha",
+    "to_mld", "to_symbolic_mld",
 ]  # fmt: skip
 
 _HOME = {
@@ -35,7 +38,9 @@ _HOME = {
     "Dha": "systems.dha", "Mld": "systems.mld", "Trajectory": "systems.trajectory",
     "simulate": "systems.simulation", "Cost": "control.costs", "Limits": "control.limits",
     "HybridMpc": "control.hybrid_mpc", "Move": "control.hybrid_mpc", "MoveStatus": "control.hybrid_mpc",
-    "closed_loop": "control.closed_loop",
+    "closed_loop": "control.closed_loop", "ExplicitLaw": "control.explicit_law",
+    "MpQp": "optimize.mpqp", "MpQpSettings": "optimize.mpqp", "ParametricSolution": "optimize.mpqp",
+    "solve_mpqp": "optimize.mpqp",
 }  # fmt: skip
 
 

@@ -69,7 +69,7 @@ class Beyond:
                 if facet.on_domain or (active, number) in settled:
                     continue
                 crossed = not facet.beyond or any(other in self.regions for other in facet.beyond)
-                if facet.shared or not crossed:
+                if facet.shared or not crossed or self.settings.thorough:
                     yield (active, number), region, number
 
     def settle(self, region: FoundRegion, facet: int) -> tuple[Verdict, list[Task]]:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, fields
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -51,6 +52,12 @@ class Canonical:
     def __post_init__(self) -> None:
         for item in fields(self):
             getattr(self, item.name).setflags(write=False)
+
+    def __setstate__(self, state: dict[str, Any]) -> None:
+        """Read-only in worker processes too: kernels are compiled for one kind of array."""
+        for name, array in state.items():
+            array.setflags(write=False)
+            object.__setattr__(self, name, array)
 
     @property
     def n(self) -> int:

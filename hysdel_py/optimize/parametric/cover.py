@@ -19,10 +19,10 @@ Rows = tuple[NDArray[np.float64], Vector]
 
 def point_inside(rows: Rows, margin: float, settings: MpQpSettings, guess: Vector | None = None) -> Vector | None:
     """A point of ``{x : N x <= h}``, rows of length one, that keeps a distance from all rows; None without one."""
-    N, h = rows
+    N, h = map(np.array, rows)  # copies: kernels are compiled anew for read-only arrays
     start = np.zeros(N.shape[1]) if guess is None else np.array(guess)
     margins = np.array([margin])
-    status, point = inner_point(np.ascontiguousarray(N), h, start, margins, settings.violation, settings.angle)
+    status, point = inner_point(N, h, start, margins, settings.violation, settings.angle)
     return point if status == FOUND else None
 
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -63,7 +63,6 @@ class MpQp:
     Y: Matrix | None = None
     y: Vector | None = None
     constant: float = 0.0
-    _names: tuple[str, ...] = field(init=False, repr=False, default=())
 
     def __post_init__(self) -> None:
         n, p, m = len(np.atleast_1d(self.f)), self.theta.n, len(np.atleast_1d(self.w))

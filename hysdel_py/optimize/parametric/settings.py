@@ -44,6 +44,9 @@ class MpQpSettings:
         Stop after so many seconds.
     chunk : int
         Active sets handed to an executor at a time.
+    thorough : bool
+        Whether every inner facet must be covered by what was found beyond it, not only where the exchange of rows
+        leaves it open.
     """
 
     radius: float = 1e-9
@@ -57,10 +60,11 @@ class MpQpSettings:
     regions: int = 1_000_000
     seconds: float = inf
     chunk: int = 32
+    thorough: bool = False
 
     def __post_init__(self) -> None:
         for name in self.__slots__:
-            if not getattr(self, name) > 0:
+            if name != "thorough" and not getattr(self, name) > 0:
                 raise ArgumentError(f"{name} is {getattr(self, name)}: a positive number was expected")
 
     @property

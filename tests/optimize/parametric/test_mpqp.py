@@ -18,6 +18,7 @@ from hysdel_py.errors import ArgumentError
 from hysdel_py.geometry.polyhedron import Polyhedron
 from hysdel_py.optimize.compiled import kernels_are_compiled
 from hysdel_py.optimize.mpqp import MpQp, MpQpSettings, solve_mpqp
+from hysdel_py.optimize.parametric import records
 from hysdel_py.optimize.parametric.exploration import Stop
 
 QUICK = ("a_di_N2", "a_di_N3", "a_di_N5", "c_pend_N3", "d_afti_N2", "e_rnd0_z3t2", "e_rnd1_z4t2", "f_thesis",
@@ -29,6 +30,20 @@ EYE = np.eye(2)
 def test_region_counts_of_benchmark_problems(name):
     solution = solve_mpqp(benchmark(name)[0])
     assert len(solution.regions) == EXPECTED[name]
+    assert solution.complete
+
+
+@pytest.mark.parametrize("name", ["a_di_N3", "e_rnd0_z3t2", "f_thesis"])
+def test_a_thorough_look_beyond_every_facet_finds_nothing_more(name):
+    solution = solve_mpqp(benchmark(name)[0], MpQpSettings(thorough=True))
+    assert len(solution.regions) == EXPECTED[name]
+    assert solution.complete
+
+
+def test_a_region_that_exchange_misses_is_found_beyond_a_facet(monkeypatch):
+    monkeypatch.setattr(records, "sets_beyond", lambda form, active, source, tolerance: [((),)] * len(source))
+    solution = solve_mpqp(benchmark("a_di_N3")[0], MpQpSettings(thorough=True))
+    assert len(solution.regions) == EXPECTED["a_di_N3"]
     assert solution.complete
 
 
