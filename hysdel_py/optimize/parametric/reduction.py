@@ -253,7 +253,7 @@ def _without_redundant_rows(form: Canonical, settings: MpQpSettings) -> Canonica
     N, h = _joint(form)
     first = same_rows(N, h, settings.same)
     own = np.flatnonzero(first == np.arange(len(first)))
-    needed, _, _ = facets(N[own], h[own], form.inner, settings.radius, settings.violation, settings.angle)
+    needed, _, _ = facets(N[own], h[own], np.array(form.inner), settings.radius, settings.violation, settings.angle)
     keep = own[needed]
     rows, domain = keep[keep < form.m], keep[keep >= form.m] - form.m
     return replace(form, M=form.M[rows], b=form.b[rows], rows=form.rows[rows], domain=form.domain[domain])

@@ -150,7 +150,7 @@ def test_coincidences(name):
 
 
 @pytest.mark.parametrize("kind", ["definite", "semidefinite", "linear"])
-@pytest.mark.parametrize("seed", [0, 3, 5, 8])
+@pytest.mark.parametrize("seed", [0, 3, 8, 25])
 def test_random_problems_full_of_coincidences(kind, seed):
     problem = of_small_integers(seed, kind)
     solution = solve_mpqp(problem)
