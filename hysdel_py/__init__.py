@@ -18,6 +18,7 @@ if TYPE_CHECKING:
     from hysdel_py.control.closed_loop import closed_loop
     from hysdel_py.control.costs import Cost
     from hysdel_py.control.disturbance import with_disturbances
+    from hysdel_py.control.explicit_law import ExplicitLaw
     from hysdel_py.control.hybrid_mpc import HybridMpc, Move, MoveStatus
     from hysdel_py.control.limits import Limits
     from hysdel_py.control.moving_horizon import Estimate, MovingHorizonEstimator
@@ -26,6 +27,7 @@ if TYPE_CHECKING:
     from hysdel_py.export.reading import read_json
     from hysdel_py.model import Model, audit, load, to_dha, to_mld, to_pwa, to_symbolic_mld
     from hysdel_py.optimize.case_file import CaseFile, read_case
+    from hysdel_py.optimize.mpqp import MpQp, MpQpSettings, ParametricSolution, solve_mpqp
     from hysdel_py.optimize.node_log import NodeLog
     from hysdel_py.reports.explain_infeasible import explain_infeasible
     from hysdel_py.reports.explanation import Explanation
@@ -38,28 +40,60 @@ if TYPE_CHECKING:
 
 __all__ = [
     "ArgumentError", "CaseFile", "CompileError", "Cost", "Dha", "Difference", "Estimate", "Explanation",
-    "HybridMpc", "HysdelError", "KalmanObserver", "Limits", "Margins", "Mld", "Model", "Move", "MoveStatus",
-    "MovingHorizonEstimator", "NodeLog", "Pwa", "SimulationError", "Trajectory", "Verification", "WellPosedness",
-    "__version__", "audit", "closed_loop", "diff", "explain_infeasible", "load", "read_case", "read_json",
-    "shipped_models", "simulate", "to_dha", "to_mld", "to_pwa", "to_symbolic_mld", "verify", "well_posed",
-    "with_disturbances",
+    "ExplicitLaw", "HybridMpc", "HysdelError", "KalmanObserver", "Limits", "Margins", "Mld", "Model", "Move",
+    "MoveStatus", "MovingHorizonEstimator", "MpQp", "MpQpSettings", "NodeLog", "ParametricSolution", "Pwa",
+    "SimulationError", "Trajectory", "Verification", "WellPosedness", "__version__", "audit", "closed_loop", "diff",
+    "explain_infeasible", "load", "read_case", "read_json", "shipped_models", "simulate", "solve_mpqp", "to_dha",
+    "to_mld", "to_pwa", "to_symbolic_mld", "verify", "well_posed", "with_disturbances",
 ]  # fmt: skip
 
 _HOME = {
-    "ArgumentError": "errors", "CompileError": "errors", "HysdelError": "errors", "SimulationError": "errors",
-    "Model": "model", "audit": "model", "load": "model", "to_dha": "model", "to_mld": "model", "to_symbolic_mld":
-    "model", "read_json": "export.reading", "shipped_models": "shipped", "Dha": "systems.dha", "Mld": "systems.mld",
-    "Trajectory": "systems.trajectory", "to_pwa": "model", "Pwa": "systems.pwa",
-    "simulate": "systems.simulation", "Cost": "control.costs", "Limits": "control.limits",
-    "HybridMpc": "control.hybrid_mpc", "Move": "control.hybrid_mpc", "MoveStatus": "control.hybrid_mpc",
-    "closed_loop": "control.closed_loop", "Margins": "analysis.margins", "Verification": "analysis.report",
-    "verify": "analysis.verify", "Difference": "analysis.diff_report", "diff": "analysis.diff", "WellPosedness":
-    "analysis.well_posed", "well_posed": "analysis.well_posed", "Estimate": "control.moving_horizon",
-    "MovingHorizonEstimator": "control.moving_horizon", "KalmanObserver": "control.observer", "with_disturbances":
-    "control.disturbance", "CaseFile": "optimize.case_file", "read_case": "optimize.case_file", "NodeLog":
-    "optimize.node_log",
-    "explain_infeasible": "reports.explain_infeasible", "Explanation": "reports.explanation",
-}  # fmt: skip
+    "ArgumentError": "errors",
+    "CaseFile": "optimize.case_file",
+    "CompileError": "errors",
+    "Cost": "control.costs",
+    "Dha": "systems.dha",
+    "Difference": "analysis.diff_report",
+    "Estimate": "control.moving_horizon",
+    "Explanation": "reports.explanation",
+    "ExplicitLaw": "control.explicit_law",
+    "HybridMpc": "control.hybrid_mpc",
+    "HysdelError": "errors",
+    "KalmanObserver": "control.observer",
+    "Limits": "control.limits",
+    "Margins": "analysis.margins",
+    "Mld": "systems.mld",
+    "Model": "model",
+    "Move": "control.hybrid_mpc",
+    "MoveStatus": "control.hybrid_mpc",
+    "MovingHorizonEstimator": "control.moving_horizon",
+    "MpQp": "optimize.mpqp",
+    "MpQpSettings": "optimize.mpqp",
+    "NodeLog": "optimize.node_log",
+    "ParametricSolution": "optimize.mpqp",
+    "Pwa": "systems.pwa",
+    "SimulationError": "errors",
+    "Trajectory": "systems.trajectory",
+    "Verification": "analysis.report",
+    "WellPosedness": "analysis.well_posed",
+    "audit": "model",
+    "closed_loop": "control.closed_loop",
+    "diff": "analysis.diff",
+    "explain_infeasible": "reports.explain_infeasible",
+    "load": "model",
+    "read_case": "optimize.case_file",
+    "read_json": "export.reading",
+    "shipped_models": "shipped",
+    "simulate": "systems.simulation",
+    "solve_mpqp": "optimize.mpqp",
+    "to_dha": "model",
+    "to_mld": "model",
+    "to_pwa": "model",
+    "to_symbolic_mld": "model",
+    "verify": "analysis.verify",
+    "well_posed": "analysis.well_posed",
+    "with_disturbances": "control.disturbance",
+}
 
 
 def __getattr__(name: str) -> object:

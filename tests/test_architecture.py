@@ -27,7 +27,7 @@ MAY_IMPORT: dict[str, set[str]] = {
     "elaboration": {"errors", "diagnostics", "syntax", "semantics"},
     "semantics": {"errors", "diagnostics", "syntax", "systems"},
     "lowering": {"errors", "tolerances", "diagnostics", "syntax", "semantics", "systems", "geometry"},
-    "optimize": {"errors"},
+    "optimize": {"errors", "geometry"},
     "geometry": {"errors"},
     "control": {"errors", "tolerances", "systems", "optimize", "geometry"},
     "analysis": {"errors", "tolerances", "systems", "optimize", "geometry", "diagnostics", "syntax"},

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from hysdel_py.optimize.kernels.compiled import COMPILED
+from hysdel_py.optimize.compiled import kernels_are_compiled
 from hysdel_py.optimize.propagation import Box, PropagationSettings, Propagator
 
 __all__ = ["CompiledPropagator", "propagator"]
@@ -18,7 +18,7 @@ Indices = NDArray[np.intp]
 
 def propagator(A: Any, integers: Indices, settings: PropagationSettings) -> Propagator | CompiledPropagator:
     """The faster of the two: the kernel where it is compiled, else the vectorised one."""
-    return (CompiledPropagator if COMPILED else Propagator)(A, integers, settings)
+    return (CompiledPropagator if kernels_are_compiled() else Propagator)(A, integers, settings)
 
 
 class CompiledPropagator:

@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hysdel_py.optimize.backends.answer import checked_result, failed_result
-from hysdel_py.optimize.kernels.compiled import COMPILED
+from hysdel_py.optimize.compiled import kernels_are_compiled
 from hysdel_py.optimize.mixed_integer import Miqp
 from hysdel_py.optimize.qp import Qp, QpResult, QpSettings, QpStatus
 
@@ -132,7 +132,7 @@ _STATUS = {0: QpStatus.OPTIMAL, 1: QpStatus.INFEASIBLE, 3: QpStatus.ITERATION_LI
 
 def dense_engine(miqp: Miqp, engine: str) -> DenseSolver | None:
     """The dense solver if the engine is wanted: always for "dense", for "auto" where the kernels are compiled."""
-    if engine == "sparse" or (engine == "auto" and not COMPILED):
+    if engine == "sparse" or (engine == "auto" and not kernels_are_compiled()):
         return None
     integer = np.zeros(miqp.qp.n, dtype=bool)
     integer[miqp.binaries] = True

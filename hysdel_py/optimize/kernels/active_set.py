@@ -15,7 +15,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from hysdel_py.optimize.kernels.compiled import kernel
+from hysdel_py.optimize.compiled import compiled
 
 __all__ = ["BEATEN", "EMPTY", "LIMIT", "SOLVED", "inverse_factor", "solve", "start_from"]
 
@@ -25,7 +25,7 @@ DEPENDENT = 1e-10
 """A normal whose part outside the active ones is shorter than this, relative to its own length, depends on them."""
 
 
-@kernel
+@compiled
 def inverse_factor(H):
     """The transposed inverse of the Cholesky factor; the flag tells whether H is positive definite."""
     n = len(H)
@@ -54,7 +54,7 @@ def inverse_factor(H):
     return J, True
 
 
-@kernel
+@compiled
 def solve(N, b, f, work, cutoff, settings):
     """Run from the active set of the work space.
 
@@ -114,7 +114,7 @@ def solve(N, b, f, work, cutoff, settings):
             drop(leaving, work)
 
 
-@kernel
+@compiled
 def dot(a, b):
     """Inner product."""
     total = 0.0
@@ -123,7 +123,7 @@ def dot(a, b):
     return total
 
 
-@kernel
+@compiled
 def square(d, first):
     """Squared length of the entries from `first` on."""
     total = 0.0
@@ -132,7 +132,7 @@ def square(d, first):
     return total
 
 
-@kernel
+@compiled
 def most_violated(N, b, v, tolerance):
     """Row that is missed by most, -1 if all hold."""
     worst, at = tolerance, -1
@@ -143,7 +143,7 @@ def most_violated(N, b, v, tolerance):
     return at
 
 
-@kernel
+@compiled
 def dual_value(v, f, b, work):
     """Value at the minimiser over the active rows: half of f'v plus half of u'b."""
     total = dot(f, v)
@@ -152,7 +152,7 @@ def dual_value(v, f, b, work):
     return 0.5 * total
 
 
-@kernel
+@compiled
 def directions(normal, work):
     """``d = J'normal``, the primal direction ``J2 d2`` and the dual one ``R^-1 d1``."""
     J, R, count = work[0], work[1], work[4][0]
@@ -178,7 +178,7 @@ def directions(normal, work):
     return d, z, r
 
 
-@kernel
+@compiled
 def longest_dual_step(r, work):
     """Step at which the first multiplier becomes zero, and its place."""
     step, leaving = np.inf, -1
@@ -188,7 +188,7 @@ def longest_dual_step(r, work):
     return max(step, 0.0), leaving
 
 
-@kernel
+@compiled
 def add(row, multiplier, d, work):
     """Put a row into the active set; `d` is J times its normal."""
     J, R, count = work[0], work[1], work[4][0]
@@ -203,7 +203,7 @@ def add(row, multiplier, d, work):
     work[4][0] = count + 1
 
 
-@kernel
+@compiled
 def rotate(J, d, j):
     """Turn columns j-1 and j of J so that entry j of d vanishes."""
     length = np.hypot(d[j - 1], d[j])
@@ -215,7 +215,7 @@ def rotate(J, d, j):
         J[i, j] = c * second - s * first
 
 
-@kernel
+@compiled
 def drop(place, work):
     """Take a row out of the active set."""
     J, R, active, u, count = work[0], work[1], work[2], work[3], work[4][0]
@@ -238,7 +238,7 @@ def drop(place, work):
     work[4][0] = count - 1
 
 
-@kernel
+@compiled
 def minimise_over_active(b, f, work):
     """Point and multipliers of the active rows taken as equations; rows with negative multipliers are let go."""
     while True:
@@ -252,7 +252,7 @@ def minimise_over_active(b, f, work):
         drop(place, work)
 
 
-@kernel
+@compiled
 def point_of_active(b, f, work):
     """With w = J^-1 v: ``R'w1 = b_A``, ``w2 = -J2'f``, ``R u = w1 + J1'f``."""
     J, R, active, u, count, v = work[0], work[1], work[2], work[3], work[4][0], work[5]
@@ -276,7 +276,7 @@ def point_of_active(b, f, work):
         v[i] = dot(J[i], w)
 
 
-@kernel
+@compiled
 def start_from(rows, N, work):
     """Build the factors of a wished active set; rows that depend on those before are left out."""
     for row in rows:

@@ -13,7 +13,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from hysdel_py.optimize.kernels.compiled import kernel
+from hysdel_py.optimize.compiled import compiled
 
 __all__ = ["condense", "lift_multipliers"]
 
@@ -26,7 +26,7 @@ PIVOT = 1e-3
 FREE, DEFINED, CONSTANT = 0, 1, 2
 
 
-@kernel
+@compiled
 def condense(problem, groups, box, wide):
     """Reduce a node.
 
@@ -71,7 +71,7 @@ def condense(problem, groups, box, wide):
     return Z, H, f, N, b, source, length, defining, merged
 
 
-@kernel
+@compiled
 def classify(box):
     """Which variables are constant, and their values."""
     lb, ub = box
@@ -86,7 +86,7 @@ def classify(box):
     return kind, value
 
 
-@kernel
+@compiled
 def merge_groups(rows, l, u, groups, integer, box):
     """Tightest sides of each group over its rows whose binaries are all fixed.
 
@@ -118,7 +118,7 @@ def merge_groups(rows, l, u, groups, integer, box):
     return low, high, at_low, at_high, meet, inside
 
 
-@kernel
+@compiled
 def fixed_part(row, rows, integer, box):
     """Sum of the binary terms of a row, and whether all of them are fixed."""
     start, column, value = rows
@@ -132,7 +132,7 @@ def fixed_part(row, rows, integer, box):
     return total, True
 
 
-@kernel
+@compiled
 def define(rows, groups, merged, kind, n):
     """Let each group whose sides meet define its last free variable; marks these in `kind`.
 
@@ -157,7 +157,7 @@ def define(rows, groups, merged, kind, n):
     return defining
 
 
-@kernel
+@compiled
 def substitute(rows, groups, merged, places, k):
     """All variables in terms of the free ones, in rising order, so that what a row needs is there already."""
     start, column, value = rows
@@ -186,7 +186,7 @@ def substitute(rows, groups, merged, places, k):
     return Z
 
 
-@kernel
+@compiled
 def project(P, q, Z, k):
     """Hessian and gradient in the free variables."""
     start, column, value = P
@@ -210,7 +210,7 @@ def project(P, q, Z, k):
     return H, f
 
 
-@kernel
+@compiled
 def inequalities(problem, groups, merged, places, ranges):
     """Sides of rows and bounds of variables that the box does not settle, as rows ``N v >= b`` of unit length."""
     rows, l = problem[2], problem[3]
@@ -248,7 +248,7 @@ def inequalities(problem, groups, merged, places, ranges):
     return N[:count], b[:count], source[:count], length[:count]
 
 
-@kernel
+@compiled
 def owned(g, rows, groups, defining):
     """Whether a group defines a variable."""
     row = groups[1][groups[0][g]]
@@ -258,7 +258,7 @@ def owned(g, rows, groups, defining):
     return False
 
 
-@kernel
+@compiled
 def implied(j, g, rows, groups, merged, box, low, high):
     """Whether the definition keeps a variable within its bounds for every point of the box."""
     start, column, value = rows
@@ -278,7 +278,7 @@ def implied(j, g, rows, groups, merged, box, low, high):
     return first >= low and second <= high
 
 
-@kernel
+@compiled
 def put_row(row, upper, problem, ranges, out, count):
     """One side of a row of the problem, unless the box settles it."""
     start, column, value = problem[2]
@@ -299,7 +299,7 @@ def put_row(row, upper, problem, ranges, out, count):
     return put(total, 1.0, sign * side, (row, 1 if upper else -1), out, count)
 
 
-@kernel
+@compiled
 def put(form, sign, side, source, out, count):
     """``sign * form <= side`` as a row of unit length, unless nothing free is in it."""
     N, b, sources, length = out
@@ -318,7 +318,7 @@ def put(form, sign, side, source, out, count):
     return count + 1
 
 
-@kernel
+@compiled
 def lift_multipliers(problem, groups, condensed, gradient, active, weight):
     """Multipliers of all rows from those of the active inequalities.
 
@@ -357,14 +357,14 @@ def lift_multipliers(problem, groups, condensed, gradient, active, weight):
     return y
 
 
-@kernel
+@compiled
 def spread(row, amount, rows, gradient):
     """Add a multiple of a row to the gradient."""
     for at in range(rows[0][row], rows[0][row + 1]):
         gradient[rows[1][at]] += amount * rows[2][at]
 
 
-@kernel
+@compiled
 def entry(row, j, rows):
     """Coefficient of a variable in a row."""
     for at in range(rows[0][row], rows[0][row + 1]):

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
+from hysdel_py.optimize.compiled import compiled
 from hysdel_py.optimize.kernels import active_set
-from hysdel_py.optimize.kernels.compiled import kernel
 from hysdel_py.optimize.kernels.condensing import condense, lift_multipliers
 
 __all__ = ["solve_node"]
@@ -18,7 +18,7 @@ ASTRAY = 1e-6
 """The proximal steps have not settled while their pull exceeds this, relative to the greatest curvature."""
 
 
-@kernel
+@compiled
 def solve_node(problem, groups, box, wide, guess, settings):
     """Condense and solve.
 
@@ -79,7 +79,7 @@ def solve_node(problem, groups, box, wide, guess, settings):
     return status, iterations, w, y, source[active]
 
 
-@kernel
+@compiled
 def middle(Z, box, k):
     """Middle of the box in the free variables."""
     centre = np.zeros(k)
@@ -91,7 +91,7 @@ def middle(Z, box, k):
     return centre
 
 
-@kernel
+@compiled
 def places_of(guess, source, m, n):
     """Numbers of the wished inequalities among those of this node."""
     at = np.full((m + n, 2), -1, dtype=np.int64)
@@ -107,7 +107,7 @@ def places_of(guess, source, m, n):
     return found[:count]
 
 
-@kernel
+@compiled
 def point(Z, v):
     """All variables."""
     n, k = Z.shape[0], Z.shape[1] - 1
@@ -120,7 +120,7 @@ def point(Z, v):
     return w
 
 
-@kernel
+@compiled
 def gradient_at(problem, w):
     """``P w + q``."""
     start, column, value = problem[0]

@@ -8,14 +8,14 @@ from __future__ import annotations
 
 import numpy as np
 
-from hysdel_py.optimize.kernels.compiled import kernel
+from hysdel_py.optimize.compiled import compiled
 
 __all__ = ["propagate"]
 
 ROUNDOFF = 2.0 * float(np.finfo(np.float64).eps)
 
 
-@kernel
+@compiled
 def propagate(rows, columns, integer, box, sides, queued, settings):
     """Shrink a box in place.
 
@@ -53,7 +53,7 @@ def propagate(rows, columns, integer, box, sides, queued, settings):
     return -1, passes
 
 
-@kernel
+@compiled
 def tighten(row, rows, columns, integer, box, sides, queued, settings):
     """Bounds that one row implies; marks the rows that touch what moved."""
     start, column, value = rows
@@ -96,13 +96,13 @@ def tighten(row, rows, columns, integer, box, sides, queued, settings):
     return -1, moved
 
 
-@kernel
+@compiled
 def m_of(start):
     """Number of rows."""
     return len(start) - 1
 
 
-@kernel
+@compiled
 def activity(first, last, column, value, box, huge):
     """Finite parts of the least and greatest value of a row, how many terms are endless, and the size of the terms."""
     low = high = size = 0.0
@@ -124,7 +124,7 @@ def activity(first, last, column, value, box, huge):
     return low, high, low_endless, high_endless, size
 
 
-@kernel
+@compiled
 def update(j, new_low, new_high, integer, box, settings):
     """Take over bounds that are worth it; integers are rounded inwards."""
     margin, integrality, progress, huge = settings[0], settings[1], settings[2], settings[3]

@@ -1,0 +1,71 @@
+"""Explicit laws as .npz files."""
+
+from __future__ import annotations
+
+from itertools import pairwise
+from os import PathLike
+from typing import Any
+from zipfile import BadZipFile
+
+import numpy as np
+from numpy.typing import NDArray
+
+from hysdel_py.control.explicit_law import ExplicitLaw
+from hysdel_py.errors import ArgumentError
+from hysdel_py.geometry.polyhedron import Polyhedron
+
+__all__ = ["load_law", "save_law"]
+
+_FORMAT = 1
+_ARRAYS = ("A", "b", "starts", "K", "k", "P", "q", "r")
+
+
+def save_law(law: ExplicitLaw, path: str | PathLike[str]) -> None:
+    """Write a law; nothing in the file needs to be executed to read it."""
+    with open(path, "wb") as file:
+        np.savez(file, **_content(law))
+
+
+def _content(law: ExplicitLaw) -> dict[str, Any]:
+    return {name: getattr(law, name) for name in _ARRAYS} | {
+        "format": np.array(_FORMAT),
+        "moves": np.array(law.moves),
+        "names": np.array(law.names),
+        "complete": np.array(law.complete),
+        "tolerance": np.array(law.tolerance),
+        "domain_sides": law.domain.b,
+        "domain_rows": law.domain.A,
+        "active": np.array([row for rows in law.active for row in rows], dtype=np.int64),
+        "active_starts": np.cumsum([0, *(len(rows) for rows in law.active)]),
+    }
+
+
+def load_law(path: str | PathLike[str]) -> ExplicitLaw:
+    """Read a law.
+
+    Raises
+    ------
+    ArgumentError
+        The file is no explicit law or of another format.
+    """
+    try:
+        with np.load(path, allow_pickle=False) as data:
+            content = {name: data[name] for name in data.files}
+    except (BadZipFile, ValueError) as error:
+        raise ArgumentError(f"{path} is not an .npz file: {error}") from None
+    if content.get("format") != _FORMAT:
+        raise ArgumentError(f"{path} holds no explicit law of format {_FORMAT}")
+    return ExplicitLaw(
+        **{name: content[name] for name in _ARRAYS},
+        domain=Polyhedron(content["domain_rows"], content["domain_sides"]),
+        active=_sets(content["active"], content["active_starts"]),
+        moves=int(content["moves"]),
+        names=tuple(str(name) for name in content["names"]),
+        complete=bool(content["complete"]),
+        tolerance=float(content["tolerance"]),
+    )
+
+
+def _sets(rows: NDArray[np.int64], starts: NDArray[np.int64]) -> tuple[tuple[int, ...], ...]:
+    ends = starts.tolist()
+    return tuple(tuple(rows[a:b].tolist()) for a, b in pairwise(ends))

@@ -1,0 +1,92 @@
+"""Slices of an explicit law: some parameters set to numbers."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import replace
+
+import numpy as np
+
+from hysdel_py.control.explicit_law import Array, ExplicitLaw, Vector
+from hysdel_py.errors import ArgumentError
+from hysdel_py.geometry.polyhedron import Polyhedron
+
+__all__ = ["fix"]
+
+_SHORT = 1e-12
+"""A row of unit length that is shorter after fixing says nothing about the other parameters."""
+
+
+def fix(law: ExplicitLaw, values: Mapping[str | int, float]) -> ExplicitLaw:
+    """The law over the parameters that are not given.
+
+    Parameters
+    ----------
+    law : ExplicitLaw
+    values : mapping of names or positions to numbers
+
+    Raises
+    ------
+    ArgumentError
+        An unknown parameter, or none left.
+    """
+    given = {_position(law, name): float(value) for name, value in values.items()}
+    fixed = np.array(sorted(given), dtype=int)
+    free = np.array([j for j in range(law.p) if j not in given], dtype=int)
+    if not len(free):
+        raise ArgumentError("all parameters are given: call the law instead")
+    at = np.array([given[j] for j in fixed.tolist()])
+    pieces = [(region, _cut(law.polyhedron(region), free, fixed, at)) for region in range(law.count)]
+    kept = [(region, piece) for region, piece in pieces if piece is not None]
+    A, b = _rows(law.domain.A, law.domain.b, free, fixed, at)
+    real = np.linalg.norm(A, axis=1) > _SHORT
+    regions = [region for region, _ in kept]
+    K, k = law.K[regions], law.k[regions]
+    P, q, r = _value(law, regions, free, fixed, at)
+    return replace(
+        law,
+        A=np.vstack([np.zeros((0, len(free))), *(piece.A for _, piece in kept)]),
+        b=np.concatenate([np.zeros(0), *(piece.b for _, piece in kept)]),
+        starts=np.cumsum([0, *(piece.m for _, piece in kept)]),
+        K=K[:, :, free],
+        k=k + K[:, :, fixed] @ at,
+        P=P,
+        q=q,
+        r=r,
+        active=tuple(law.active[region] for region in regions),
+        domain=Polyhedron(A[real], b[real]),
+        names=tuple(law.names[j] for j in free.tolist()),
+    )
+
+
+def _position(law: ExplicitLaw, name: str | int) -> int:
+    if isinstance(name, str) and name in law.names:
+        return law.names.index(name)
+    if isinstance(name, int) and 0 <= name < law.p:
+        return name
+    raise ArgumentError(f"{name!r} is no parameter of the law: {', '.join(law.names)} were expected")
+
+
+def _rows(A: Array, b: Vector, free: Array, fixed: Array, at: Vector) -> tuple[Array, Vector]:
+    return A[:, free].copy(), b - A[:, fixed] @ at
+
+
+def _cut(region: Polyhedron, free: Array, fixed: Array, at: Vector) -> Polyhedron | None:
+    """Section of a region with rows of length one, or None if it has no inner points."""
+    A, b = _rows(region.A, region.b, free, fixed, at)
+    length = np.linalg.norm(A, axis=1)
+    real = length > _SHORT
+    if np.any(b[~real] < 0):
+        return None
+    section = Polyhedron(A[real] / length[real, None], b[real] / length[real])
+    return None if section.is_empty or section.is_flat else section.minimal()
+
+
+def _value(law: ExplicitLaw, kept: list[int], free: Array, fixed: Array, at: Vector) -> tuple[Array, Array, Vector]:
+    """Values of some regions with the given parameters put in."""
+    if not law.has_value:
+        return np.zeros((0, len(free), len(free))), np.zeros((0, len(free))), np.zeros(0)
+    P, q = law.P[kept], law.q[kept]
+    across = P[:, free][:, :, fixed] @ at
+    own = 0.5 * (P[:, fixed][:, :, fixed] @ at) @ at
+    return P[:, free][:, :, free], q[:, free] + across, law.r[kept] + q[:, fixed] @ at + own

@@ -1,0 +1,55 @@
+"""Numerical kernels: compiled by numba where it is installed (extra `fast`), plain Python where it is not.
+
+A kernel is a function over arrays and numbers whose text is valid both ways. Compiled code is cached beside the source,
+or where ``NUMBA_CACHE_DIR`` says; without a writable place it is compiled anew in each process.
+``NUMBA_DISABLE_JIT=1`` runs the plain functions although numba is there.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from contextlib import suppress
+from functools import cache
+from pathlib import Path
+from typing import Any, TypeVar
+
+__all__ = ["compiled", "kernels_are_compiled"]
+
+F = TypeVar("F", bound=Callable[..., Any])
+
+
+def compiled(function: F) -> F:
+    """The function, compiled at its first call where numba is installed."""
+    numba = _numba()
+    if numba is None:
+        return function
+    _forget_stale_code(Path(function.__code__.co_filename).parent)
+    try:
+        return numba.njit(cache=True)(function)  # type: ignore[no-any-return]
+    except RuntimeError:  # no place to keep the compiled code
+        return numba.njit(function)  # type: ignore[no-any-return]
+
+
+def kernels_are_compiled() -> bool:
+    """Whether kernels run as compiled code in this process."""
+    numba = _numba()
+    return numba is not None and not numba.config.DISABLE_JIT
+
+
+@cache
+def _numba() -> Any:
+    try:
+        import numba
+    except ImportError:
+        return None
+    return numba
+
+
+@cache
+def _forget_stale_code(folder: Path) -> None:
+    """Remove cached code that is older than any source beside it: the cache looks at a function's own file only."""
+    newest = max((source.stat().st_mtime for source in folder.glob("*.py")), default=0.0)
+    for index in (folder / "__pycache__").glob("*.nbi"):
+        with suppress(OSError):
+            if index.stat().st_mtime < newest:
+                index.unlink()

@@ -1,0 +1,1 @@
+"""Multi-parametric programs: canonical form, critical regions, exploration."""
