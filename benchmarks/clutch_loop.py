@@ -1,6 +1,6 @@
 """Clutch engagement in closed loop: our branch and bound beside SCIP on the same problems in the same run.
 
-    python benchmarks/clutch_loop.py [--horizons 5 10 15] [--backend piqp] [--node-limit 60] [--no-scip] [--json FILE]
+    python benchmarks/clutch_loop.py [--horizons 5 10 15] [--backend auto] [--node-limit 60] [--no-scip] [--json FILE]
 
 The loop follows our controller (warm start as in use). SCIP solves each step's problem from scratch, as its users do.
 Both stop at a relative gap of 1e-4; SCIP also after --scip-seconds, ours after --node-limit nodes. Read ratios: both
@@ -120,7 +120,7 @@ def report(results: list[dict[str, Any]]) -> str:
 def main() -> int:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--horizons", type=int, nargs="+", default=[5, 10, 15])
-    parser.add_argument("--backend", default="piqp")
+    parser.add_argument("--backend", default="auto")
     parser.add_argument("--node-limit", type=int, default=60)
     parser.add_argument("--no-scip", action="store_true")
     parser.add_argument("--scip-seconds", type=float, default=3.0)

@@ -30,7 +30,7 @@ def add_parser(commands: argparse._SubParsersAction[argparse.ArgumentParser]) ->
     )
     parser.add_argument("name", choices=["clutch"], help="which one")
     parser.add_argument("--horizon", type=int, default=10, metavar="N", help="steps that are planned (default 10)")
-    parser.add_argument("--backend", default="piqp", help="solver of the quadratic programs: piqp (default) or osqp")
+    parser.add_argument("--backend", default="auto", help="solver of the quadratic programs: auto, dense, piqp or osqp")
     parser.add_argument("--hard", action="store_true", help="keep the engine-speed limit hard: the loop ends early")
     parser.add_argument(
         "--output", metavar="FOLDER", default="hysdel-demo", help="where the files go (default hysdel-demo)"

@@ -67,7 +67,7 @@ def add_parser(commands: argparse._SubParsersAction[argparse.ArgumentParser]) ->
         ("--limit-change", "NAME=LOW:HIGH", "limit of the change of an input from step to step"),
     ):
         parser.add_argument(option, metavar=metavar, action="append", default=[], help=f"{text}; may be repeated")
-    parser.add_argument("--backend", default="piqp", help="solver of the quadratic programs: piqp (default) or osqp")
+    parser.add_argument("--backend", default="auto", help="solver of the quadratic programs: auto, dense, piqp or osqp")
     parser.add_argument("--time-limit", type=float, metavar="SECONDS", help="longest search per step (default none)")
     parser.add_argument("--node-limit", type=int, metavar="N", help="nodes of the branch and bound per step")
     parser.add_argument(

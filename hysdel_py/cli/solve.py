@@ -35,7 +35,7 @@ def add_parser(commands: argparse._SubParsersAction[argparse.ArgumentParser]) ->
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )
     parser.add_argument("file", metavar="CASE", help="a JSON file of --dump-problem or HybridMpc.dump_problem")
-    parser.add_argument("--backend", help="solver of the quadratic programs: piqp or osqp")
+    parser.add_argument("--backend", help="solver of the quadratic programs: auto, dense, piqp or osqp")
     parser.add_argument("--time-limit", type=float, metavar="SECONDS", help="longest search")
     parser.add_argument("--node-limit", type=int, metavar="N", help="nodes of the search")
     parser.add_argument("--gap", type=float, metavar="NUMBER", help="relative gap at which the search ends")

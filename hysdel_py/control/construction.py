@@ -83,7 +83,7 @@ def make_solver(formulation: Formulation, settings: MiqpSettings) -> Solver:
     from hysdel_py.optimize.miqp import Miqp, MiqpSolver
     from hysdel_py.optimize.qp import Qp
 
-    get_backend(settings.backend, settings.qp)
+    get_backend(settings.solver, settings.qp)
     f = formulation
     rows = f.low - f.shift.c, f.high - f.shift.c
     qp = Qp(P=f.objective.P, q=np.zeros(f.layout.n), A=f.A, l=rows[0], u=rows[1], lb=f.lb, ub=f.ub)

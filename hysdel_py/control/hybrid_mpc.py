@@ -61,7 +61,8 @@ class HybridMpc:
         Signals that must be given a reference in every call, in the order of references given as vectors. By default
         every signal with a weight may have one and follows 0 otherwise.
     backend : str
-        Solver of the quadratic programs, ``"piqp"`` or ``"osqp"``.
+        Solver of the quadratic programs: ``"dense"`` (compiled kernels of our own), ``"piqp"`` or ``"osqp"``;
+        ``"auto"`` takes the kernels where numba is installed and PIQP elsewhere.
     time_limit : float, optional
         Seconds per answer.
     node_limit : int, optional
@@ -107,7 +108,7 @@ class HybridMpc:
         limits: Limits | None = None,
         references: Sequence[str] | None = None,
         *,
-        backend: str = "piqp",
+        backend: str = "auto",
         time_limit: float | None = None,
         node_limit: int | None = None,
         gap_rel: float = 1e-4,

@@ -126,7 +126,7 @@ class MovingHorizonEstimator:
         process: Mapping[str, float] | ArrayLike = 0.0,
         measured: Sequence[str] | None = None,
         unknown: Mapping[str, float] | Sequence[str] = (),
-        backend: str = "piqp",
+        backend: str = "auto",
         time_limit: float | None = None,
         node_limit: int | None = None,
         gap_rel: float = 1e-4,

@@ -87,7 +87,7 @@ class ClutchPlant:
 
 
 def clutch_controller(
-    model: Model, horizon: int = 10, backend: str = "piqp", node_limit: int = NODE_LIMIT, *, hard: bool = False
+    model: Model, horizon: int = 10, backend: str = "auto", node_limit: int = NODE_LIMIT, *, hard: bool = False
 ) -> HybridMpc:
     """The predictive controller of the document, its engine-speed limit softened unless `hard`."""
     return HybridMpc(
@@ -234,7 +234,7 @@ class ClutchDemo:
 
 def engage(
     horizon: int = 10,
-    backend: str = "piqp",
+    backend: str = "auto",
     start: Mapping[str, float] = START,
     *,
     node_limit: int = NODE_LIMIT,

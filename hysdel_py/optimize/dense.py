@@ -15,10 +15,10 @@ from numpy.typing import NDArray
 
 from hysdel_py.optimize.backends.answer import checked_result, failed_result
 from hysdel_py.optimize.compiled import kernels_are_compiled
-from hysdel_py.optimize.mixed_integer import Miqp
+from hysdel_py.optimize.mixed_integer import KERNELS, Miqp
 from hysdel_py.optimize.qp import Qp, QpResult, QpSettings, QpStatus
 
-__all__ = ["Active", "DenseSettings", "DenseSolver", "dense_engine"]
+__all__ = ["Active", "DenseSettings", "DenseSolver", "dense_solver"]
 
 Vector = NDArray[np.float64]
 Indices = NDArray[np.int64]
@@ -130,9 +130,9 @@ NO_GUESS: Active = np.zeros((0, 2), dtype=np.int64)
 _STATUS = {0: QpStatus.OPTIMAL, 1: QpStatus.INFEASIBLE, 3: QpStatus.ITERATION_LIMIT}
 
 
-def dense_engine(miqp: Miqp, engine: str) -> DenseSolver | None:
-    """The dense solver if the engine is wanted: always for "dense", for "auto" where the kernels are compiled."""
-    if engine == "sparse" or (engine == "auto" and not kernels_are_compiled()):
+def dense_solver(miqp: Miqp, backend: str) -> DenseSolver | None:
+    """The dense solver if it is wanted: always for "dense", for "auto" where the kernels are compiled."""
+    if backend not in KERNELS or (backend == "auto" and not kernels_are_compiled()):
         return None
     integer = np.zeros(miqp.qp.n, dtype=bool)
     integer[miqp.binaries] = True

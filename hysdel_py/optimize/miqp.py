@@ -22,7 +22,7 @@ from numpy.typing import ArrayLike, NDArray
 from hysdel_py.errors import ArgumentError
 from hysdel_py.optimize.backends.registry import get_backend
 from hysdel_py.optimize.compiled_propagation import propagator
-from hysdel_py.optimize.dense import dense_engine
+from hysdel_py.optimize.dense import dense_solver
 from hysdel_py.optimize.heuristics import Guesser
 from hysdel_py.optimize.mixed_integer import Miqp, MiqpResult, MiqpSettings, MiqpStatus, SearchInfo
 from hysdel_py.optimize.qp import Qp
@@ -53,9 +53,9 @@ class MiqpSolver:
     def __init__(self, miqp: Miqp, settings: MiqpSettings | None = None) -> None:
         self.miqp = miqp
         self.settings = settings or MiqpSettings()
-        get_backend(self.settings.backend, self.settings.qp)
+        get_backend(self.settings.solver, self.settings.qp)
         self.verified = VerifiedSolver(
-            miqp.qp, self.settings.backend, self.settings.qp, dense=dense_engine(miqp, self.settings.engine)
+            miqp.qp, self.settings.solver, self.settings.qp, dense=dense_solver(miqp, self.settings.backend)
         )
         self.propagator = propagator(miqp.qp.A, miqp.binaries, self.settings.propagation)
         self.guesser = Guesser.of(miqp, self.propagator)

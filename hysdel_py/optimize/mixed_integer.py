@@ -16,13 +16,14 @@ from hysdel_py.errors import ArgumentError
 from hysdel_py.optimize.propagation import PropagationSettings
 from hysdel_py.optimize.qp import Qp, QpSettings
 
-__all__ = ["Miqp", "MiqpResult", "MiqpSettings", "MiqpStatus", "SearchInfo"]
+__all__ = ["KERNELS", "Miqp", "MiqpResult", "MiqpSettings", "MiqpStatus", "SearchInfo"]
 
 Vector = NDArray[np.float64]
 Indices = NDArray[np.intp]
 
 
-ENGINES = ("auto", "dense", "sparse")
+KERNELS = ("auto", "dense")
+"""Names of back ends that are not a sparse solver."""
 
 
 class MiqpStatus(Enum):
@@ -76,11 +77,9 @@ class MiqpSettings:
 
     Attributes
     ----------
-    engine : {"auto", "dense", "sparse"}
-        What solves the relaxations first: the dense kernels or the back end. ``"auto"`` takes the kernels where they
-        are compiled. What one cannot settle goes to the other.
-    backend : {"piqp", "osqp"}
-        Sparse solver of the relaxations; the other one gives the second opinion.
+    backend : {"auto", "dense", "piqp", "osqp"}
+        What solves the relaxations first: the dense kernels or one of the sparse solvers. ``"auto"`` takes the kernels
+        where they are compiled, PIQP elsewhere. What one cannot settle goes to another.
     gap_abs, gap_rel : float
         The search ends once the objective is proven to be within the larger of ``gap_abs`` and
         ``gap_rel * |objective|`` of the optimum.
@@ -98,8 +97,7 @@ class MiqpSettings:
     propagation : PropagationSettings
     """
 
-    engine: str = "auto"
-    backend: str = "piqp"
+    backend: str = "auto"
     gap_abs: float = 1e-6
     gap_rel: float = 1e-6
     integrality: float = 1e-6
@@ -111,14 +109,17 @@ class MiqpSettings:
     propagation: PropagationSettings = field(default_factory=PropagationSettings)
 
     def __post_init__(self) -> None:
-        if self.engine not in ENGINES:
-            raise ArgumentError(f"engine is {self.engine!r}: one of {', '.join(map(repr, ENGINES))} was expected")
         for name in ("gap_abs", "gap_rel", "time_limit", "node_limit", "rounding"):
             if not (isinstance(getattr(self, name), Real) and getattr(self, name) >= 0):
                 raise ArgumentError(f"{name} is {getattr(self, name)!r}: a number that is not negative was expected")
         for name in ("integrality", "feasibility"):
             if not (isinstance(getattr(self, name), Real) and 0 < getattr(self, name) < 0.5):
                 raise ArgumentError(f"{name} is {getattr(self, name)!r}: a number between 0 and 0.5 was expected")
+
+    @property
+    def solver(self) -> str:
+        """The sparse solver that is asked first."""
+        return "piqp" if self.backend in KERNELS else self.backend
 
 
 @dataclass(frozen=True, slots=True)

@@ -51,7 +51,7 @@ def test_json_writes_no_files(hysdel, quick, tmp_path):
 def test_default_folder_horizon_and_solver(hysdel, quick, tmp_path):
     hysdel("demo", "clutch")
     assert (tmp_path / "hysdel-demo" / "clutch.csv").exists()
-    assert (quick["horizon"], quick["backend"]) == (10, "piqp")
+    assert (quick["horizon"], quick["backend"]) == (10, "auto")
 
 
 def test_without_matplotlib_it_says_so_and_writes_the_table(hysdel, quick, tmp_path, monkeypatch):

@@ -85,7 +85,7 @@ def enumerated_optimum(mld, N, x0, stage_cost, final_cost, extra=lambda *_: []):
     return best
 
 
-@pytest.mark.parametrize("backend", ["piqp", "osqp"])
+@pytest.mark.parametrize("backend", ["dense", "piqp", "osqp"])
 @pytest.mark.parametrize("x0", RNG_STATES)
 def test_fold_equals_enumeration(systems, x0, backend):
     mld = systems.fold()

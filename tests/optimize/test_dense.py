@@ -7,10 +7,9 @@ import sys
 import numpy as np
 import pytest
 
-from hysdel_py.errors import ArgumentError
 from hysdel_py.optimize.certificate import Certifier
 from hysdel_py.optimize.compiled_propagation import CompiledPropagator
-from hysdel_py.optimize.dense import dense_engine
+from hysdel_py.optimize.dense import dense_solver
 from hysdel_py.optimize.kernels import active_set
 from hysdel_py.optimize.miqp import Miqp, MiqpSettings, solve_miqp
 from hysdel_py.optimize.propagation import Propagator
@@ -81,7 +80,7 @@ def random_node(rng):
 def test_nodes_agree_with_the_sparse_solver(seed):
     rng = np.random.default_rng(seed)
     qp = random_node(rng)
-    solver = dense_engine(Miqp(qp, []), "dense")
+    solver = dense_solver(Miqp(qp, []), "dense")
     answer, active = solver.solve(qp, (qp.lb, qp.ub), None, QpSettings())
     expected = solve_qp(qp)
     if expected.status is QpStatus.INFEASIBLE:
@@ -119,7 +118,7 @@ from hysdel_py.optimize.qp import Qp
 rng = np.random.default_rng(1)
 root = rng.normal(size=(3, 6))
 qp = Qp(root.T @ root, rng.normal(size=6), rng.normal(size=(5, 6)), -np.ones(5), np.ones(5), np.zeros(6), np.ones(6))
-print(repr(solve_miqp(Miqp(qp, [0, 1, 2]), MiqpSettings(engine="dense")).objective))
+print(repr(solve_miqp(Miqp(qp, [0, 1, 2]), MiqpSettings(backend="dense")).objective))
 """
 
 
@@ -132,13 +131,8 @@ def test_plain_python_gives_the_same_answer():
     assert answers[0] == pytest.approx(answers[1], rel=1e-12)
 
 
-@pytest.mark.parametrize("engine", ["dense", "sparse", "auto"])
-def test_engines_agree(two_mode_problem, engine):
+@pytest.mark.parametrize("backend", ["dense", "piqp", "auto"])
+def test_back_ends_agree(two_mode_problem, backend):
     problem = two_mode_problem()
-    expected = solve_miqp(problem, MiqpSettings(engine="sparse", backend="osqp")).objective
-    assert solve_miqp(problem, MiqpSettings(engine=engine)).objective == pytest.approx(expected, rel=4e-6)
-
-
-def test_an_unknown_engine_is_named():
-    with pytest.raises(ArgumentError, match="engine is 'quick'"):
-        MiqpSettings(engine="quick")
+    expected = solve_miqp(problem, MiqpSettings(backend="osqp")).objective
+    assert solve_miqp(problem, MiqpSettings(backend=backend)).objective == pytest.approx(expected, rel=4e-6)

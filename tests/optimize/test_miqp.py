@@ -31,7 +31,7 @@ def knapsack(**changes):
     return Miqp(Qp(**(data | changes)), [0, 1, 2])
 
 
-@pytest.mark.parametrize("backend", ["piqp", "osqp"])
+@pytest.mark.parametrize("backend", ["dense", "piqp", "osqp"])
 def test_a_knapsack(backend):
     result = solve_miqp(knapsack(), MiqpSettings(backend=backend))
     assert result.status is MiqpStatus.OPTIMAL
@@ -41,7 +41,7 @@ def test_a_knapsack(backend):
     assert result.residual == 0.0
 
 
-@pytest.mark.parametrize("backend", ["piqp", "osqp"])
+@pytest.mark.parametrize("backend", ["dense", "piqp", "osqp"])
 def test_two_mode_control_agrees_between_back_ends(mode_problem, mode_optimum, backend):
     result = solve_miqp(mode_problem, MiqpSettings(backend=backend))
     assert result.status is MiqpStatus.OPTIMAL
@@ -117,7 +117,7 @@ class Flatterer:
 def test_a_point_that_violates_a_row_never_becomes_the_incumbent():
     # x^2 with x + d/2 >= 1
     qp = Qp(np.diag([2.0, 0.0]), [0, 0], [[1.0, 0.5]], [1.0], [np.inf], [-2.0, 0.0], [2.0, 1.0])
-    solver = MiqpSolver(Miqp(qp, [1]), MiqpSettings(engine="sparse"))
+    solver = MiqpSolver(Miqp(qp, [1]), MiqpSettings(backend="piqp"))
     solver.verified.open_space = lambda _, problem: Flatterer(problem)
     result = solver.solve()
     assert result.status is MiqpStatus.NUMERICAL

@@ -24,7 +24,7 @@ def check(miqp, expected, backend):
     return "feasible"
 
 
-@pytest.mark.parametrize("backend", ["piqp", "osqp"])
+@pytest.mark.parametrize("backend", ["dense", "piqp", "osqp"])
 @pytest.mark.parametrize("block", range(10))
 def test_optimum_of_random_problems_is_that_of_the_enumeration(small_problem, oracle, backend, block):
     kinds = []
