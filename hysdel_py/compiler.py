@@ -22,6 +22,7 @@ from hysdel_py.semantics.lints import note_unused_parameters
 from hysdel_py.semantics.mixed_logic import warn_of_mixed_logic
 from hysdel_py.semantics.parameters import bind_parameters, missing_parameters
 from hysdel_py.semantics.resolve import resolve
+from hysdel_py.semantics.symbols import BIG_M_BOUND
 from hysdel_py.semantics.typed_model import TypedModel
 from hysdel_py.syntax import ast
 from hysdel_py.syntax.parser import parse_what_is_sound
@@ -69,6 +70,8 @@ def analyse(
         sink.forget(lambda found: _is_about(found, recovered.lost, modules, source))
     if sink.failed:
         report_on_sound_items(model, values, sink, _without_range(scalar, model))
+    if BIG_M_BOUND in recovered.lost:  # what it would have given a range is not known
+        sink.forget(lambda found: found.code in (Code.NO_BOUNDS, Code.CIRCULAR_BOUNDS))
     sink.raise_errors(source)
     note_unused_parameters(model, sink)
     return model, values, sink.diagnostics

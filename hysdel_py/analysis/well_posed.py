@@ -14,6 +14,7 @@ from hysdel_py.analysis.deep_requirements import contradiction, implied_requirem
 from hysdel_py.analysis.deep_steps import gaps, several_solutions
 from hysdel_py.analysis.margins import Margins
 from hysdel_py.analysis.search import Clock
+from hysdel_py.diagnostics.codes import Code
 from hysdel_py.diagnostics.diagnostic import Diagnostic
 from hysdel_py.errors import ArgumentError
 from hysdel_py.syntax.source import Span
@@ -90,6 +91,12 @@ class WellPosedness:
         """The findings as diagnostics, in the order of the source."""
         found = dict.fromkeys(finding.diagnostic for finding in self.findings)
         return tuple(sorted(found, key=lambda d: d.span.start if d.span else -1))
+
+    def beside(self, others: tuple[Diagnostic, ...]) -> tuple[Diagnostic, ...]:
+        """These diagnostics behind those of the compiler, without what both say of an item."""
+        found = self.diagnostics
+        places = {d.span for d in found}
+        return (*(d for d in others if d.code is not Code.DEAD_BRANCH or d.span not in places), *found)
 
     @property
     def is_sound(self) -> bool:

@@ -112,8 +112,9 @@ def _check(file: str, options: argparse.Namespace) -> _Report:
     except CompileError as error:
         earlier = () if model is None else model.diagnostics
         return _Report(error.source, None, tuple(dict.fromkeys((*earlier, *error.diagnostics))))
-    searched = deep.diagnostics if deep is not None else ()
-    return _Report(model.typed.source, model, (*model.diagnostics, *searched), deep)
+    if deep is None:
+        return _Report(model.typed.source, model, model.diagnostics, None)
+    return _Report(model.typed.source, model, deep.beside(model.diagnostics), deep)
 
 
 def _chosen(report: _Report, raised: set[Code], ignored: set[Code]) -> _Report:

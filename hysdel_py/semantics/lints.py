@@ -17,6 +17,8 @@ __all__ = ["note_unused_parameters", "read_by"]
 _WORD = re.compile(r"[A-Za-z_]\w*")
 _READ_BY_TOOLS = frozenset({"ts", "Ts", "T_s", EPSILON, BIG_M_BOUND})  # these are read by their name
 
+_ONLY_IN_THE_WHOLE = (f".{EPSILON}", f".{BIG_M_BOUND}")
+
 
 def note_unused_parameters(model: TypedModel, sink: Sink) -> None:
     """Say which declared parameters nothing reads; libraries of parameters are common, so it is only a note."""
@@ -28,7 +30,15 @@ def note_unused_parameters(model: TypedModel, sink: Sink) -> None:
     for symbol in model.parameters:
         # Sizes, indices and loops are gone from the typed model; a second mention in the text is taken for a use.
         mentioned = words[symbol.name.rpartition(".")[2].partition("(")[0]] > 1
-        if symbol.line and not mentioned and symbol.name not in used | _READ_BY_TOOLS:
+        if symbol.line and symbol.name.endswith(_ONLY_IN_THE_WHOLE):
+            own = symbol.name.rpartition(".")[2]
+            sink.warning(
+                Code.UNUSED_PARAMETER,
+                f"{symbol.name} has no effect: {own} of the whole counts for its modules too",
+                symbol.span,
+                help=f"declare {own} in the whole, or give the thresholds of the module a [min, max, epsilon]",
+            )
+        elif symbol.line and not mentioned and symbol.name not in used | _READ_BY_TOOLS:
             sink.note(Code.UNUSED_PARAMETER, f"the parameter {symbol.name} is never used", symbol.span)
 
 

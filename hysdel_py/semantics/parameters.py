@@ -74,7 +74,7 @@ def _given_values(parameters: Mapping[str, Symbol], given: Mapping[str, object],
 def _as_number(symbol: Symbol, value: object, sink: Sink) -> float | None:
     expected = "a number" if symbol.is_real else "True or False"
     try:
-        number = float(value)  # type: ignore[arg-type]
+        number = math.nan if isinstance(value, str) else float(value)  # type: ignore[arg-type]
     except (TypeError, ValueError, OverflowError):
         number = math.nan
     if math.isnan(number) or (not symbol.is_real and number not in (0.0, 1.0)):
@@ -150,6 +150,9 @@ def _check_epsilon(parameters: Mapping[str, Symbol], values: Mapping[str, float]
 
 def _check_big_m_bound(parameters: Mapping[str, Symbol], values: Mapping[str, float], sink: Sink) -> None:
     symbol = parameters.get(BIG_M_BOUND)
+    vector = next((s for name, s in parameters.items() if name.startswith(f"{BIG_M_BOUND}(")), None)
+    if vector is not None:
+        sink.error(Code.WRONG_TYPE, f"{BIG_M_BOUND} is a vector: it has to be one number", vector.span)
     if symbol is None:
         return
     if not symbol.is_real:

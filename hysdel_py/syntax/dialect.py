@@ -25,7 +25,8 @@ class Dialect(Enum):
     HYSDEL_3 = "hysdel 3"
 
 
-_STATED = re.compile(r"(?:/\*|//)\s*dialect\s*:(.*?)(?:\*/)?", re.DOTALL | re.IGNORECASE)
+_STATED = re.compile(r"(?:/\*|//)[\s*/]*dialect\s*:(.*?)[\s*]*(?:\*/)?", re.DOTALL | re.IGNORECASE)
+_MEANT = re.compile(r"\bdialect\b.*\bhysdel\s*-?3", re.DOTALL | re.IGNORECASE)
 _KNOWN = {dialect.value: dialect for dialect in Dialect}
 _ARROWS = "(IMPLIES | IMPLIED_BY | IFF)"
 _LADDER_OF_3 = {
@@ -69,7 +70,19 @@ def stated_dialect(source: Source, sink: Sink) -> Dialect:
         elif first[0] is not dialect:
             labels = (Label(first[1], "stated here"),)
             sink.error(Code.DIALECT, f"the dialect is {first[0].value} already", span, labels=labels)
+    if first is None and not sink.failed:
+        _warn_of_near_misses(source, sink)
     return first[0] if first else Dialect.HYSDEL_2
+
+
+def _warn_of_near_misses(source: Source, sink: Sink) -> None:
+    """Comments in front of a text that speak of the dialect of HYSDEL 3 without stating it."""
+    for span in source.comments:
+        if _is_in_front(source, span) and _MEANT.search(source.text[span.start : span.end]):
+            sink.warning(
+                Code.DIALECT, "this comment does not state a dialect, and the file is read as hysdel 2", span,
+                help="write /* dialect: hysdel 3 */ as a comment of its own",
+            )  # fmt: skip
 
 
 def _statements(source: Source) -> list[tuple[Span, str]]:

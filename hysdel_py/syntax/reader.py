@@ -44,7 +44,7 @@ def read_source(path_or_text: str | os.PathLike[str], sink: Sink) -> Source:
         sink.error(Code.UNREADABLE, "the name of the file is empty", help=_WANTED)
         return Source("", "")
     if is_text(path_or_text):
-        source = Source("<text>", str(path_or_text))
+        source = Source("<text>", str(path_or_text).removeprefix("\ufeff"))
     else:
         path = Path(path_or_text)
         source = Source(path.name or str(path), _read(path, sink), path)

@@ -48,7 +48,7 @@ def diagnostics_of(path):
     except hys.CompileError as error:
         return error.diagnostics
     if options.get("check") == "deep":
-        last = (*last, *hys.well_posed(hys.load(path)).diagnostics)
+        return hys.well_posed(hys.load(path)).beside((*found, *lowered, *last))
     return (*found, *lowered, *last)
 
 

@@ -98,3 +98,29 @@ def test_circle_is_named():
     text = "SYSTEM p { INTERFACE { PARAMETER { REAL a = b, b = a; } } IMPLEMENTATION { } }"
     with pytest.raises(hys.CompileError, match=r"a -> b -> a|b -> a -> b"):
         hys.load(text)
+
+
+def said_of(text, **given):
+    try:
+        model = hys.load(text, **given)
+        return [d.code.value for d in (model.mld and model.diagnostics)]
+    except hys.CompileError as error:
+        return [d.code.value for d in error.diagnostics]
+
+
+REAL = (
+    "SYSTEM s {{ INTERFACE {{ PARAMETER {{ {} }} STATE {{ REAL x; }} }} "
+    "IMPLEMENTATION {{ AUX {{ BOOL d; }} AD {{ d = x <= 0; }} CONTINUOUS {{ x = x; }} }} }}"
+)
+
+
+def test_a_bound_with_a_faulty_value_is_all_that_is_reported():
+    assert said_of(REAL.format("REAL MLD_bigMbound = ;")) == ["HYS102"]
+
+
+def test_a_vector_is_no_bound():
+    assert "HYS301" in said_of(REAL.format("REAL MLD_bigMbound(2) = [1; 2];"))
+
+
+def test_text_is_no_number():
+    assert "HYS207" in said_of(REAL.format("REAL MLD_bigMbound = 1, k;"), k="1")

@@ -127,3 +127,17 @@ def test_layout_keeps_the_meaning_and_breaks_at_the_weakest():
         assert formatted.count("(") == 0
         starts = {line.split()[0] for line in formatted.splitlines() if line.split()[0] in ("&", "->")}
         assert starts == ({"&"} if (front, section) == (THREE, "LOGIC") else {"->"})
+
+
+@pytest.mark.parametrize(
+    "comment", ["/** dialect: hysdel 3 */", "/*\n * dialect: hysdel 3\n */", "//// dialect: HYSDEL 3\n"]
+)
+def test_decorated_comments_state_a_dialect(comment):
+    text = comment + "SYSTEM s { INTERFACE { STATE { BOOL x, y; } } IMPLEMENTATION { AUTOMATA { x = x & ~x -> y; } } }"
+    assert hys.load(text).dha.step([0, 0])[0][0] == 0.0
+
+
+@pytest.mark.parametrize("comment", ["/* the dialect: hysdel 3 */", "/* dialect hysdel 3 */"])
+def test_a_comment_that_nearly_states_a_dialect_is_warned_of(comment):
+    model = hys.load(comment + "SYSTEM s { INTERFACE { STATE { BOOL x; } } IMPLEMENTATION { AUTOMATA { x = x; } } }")
+    assert [d.code.value for d in model.diagnostics] == ["HYS006"]
