@@ -66,9 +66,7 @@ def _parted(comparison: Comparison, point: Point) -> tuple[Point, Point]:
     return x, u
 
 
-def step_points(
-    comparison: Comparison, count: int, seed: int, compare: Sequence[Compare] | None = None
-) -> PointTally:
+def step_points(comparison: Comparison, count: int, seed: int, compare: Sequence[Compare] | None = None) -> PointTally:
     """Step all forms at random points; those in the band around a threshold decide nothing.
 
     Parameters

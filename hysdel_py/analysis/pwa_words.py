@@ -10,11 +10,22 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hysdel_py.systems.affine import Affine
-from hysdel_py.systems.dha import AffineEquation, Definition, Dha, LogicEquation, Switch, read_by
+from hysdel_py.systems.dha import (
+    AffineEquation,
+    AffineRequirement,
+    Definition,
+    Dha,
+    Event,
+    LogicEquation,
+    LogicRequirement,
+    Switch,
+)
+from hysdel_py.systems.formula import Formula
 from hysdel_py.systems.mode import Mode
 from hysdel_py.systems.pwa import Pwa
+from hysdel_py.systems.signals import Variable
 
-__all__ = ["Cell", "FullWord", "cells_of", "maps_under"]
+__all__ = ["Cell", "Evaluation", "FullWord", "cells_of", "evaluated"]
 
 Vector = NDArray[np.float64]
 FullWord = tuple[tuple[str, bool], ...]
@@ -84,62 +95,95 @@ def _words_of_joined(pwa: Pwa, mode: Mode) -> Iterator[FullWord]:
         yield tuple((name, bool({**known, **d}[name])) for name, _ in mode.word)
 
 
-def maps_under(dha: Dha, word: FullWord) -> dict[str, Vector] | None:
-    """Next states (marked by a ``'``) and outputs as maps of ``(x, u, 1)`` where the Booleans have their values.
+@dataclass(frozen=True, eq=False, slots=True)
+class Evaluation:
+    """What the definitions of a Dha come to under a word, as maps of ``(x, u, 1)``.
 
-    Coordinates with a value in the word are numbers. None where a value does not follow without a search: in an
-    algebraic loop, or where logic reads a Boolean that the word leaves free.
+    Coordinates with a value in the word are numbers.
+
+    Attributes
+    ----------
+    results : mapping of name to array of shape (n + 1,)
+        Next states (marked by a ``'``) and outputs.
+    events : tuple of (Event, array of shape (n + 1,))
+    requirements : tuple of (AffineRequirement, array of shape (n + 1,))
+    is_possible : bool
+        Whether logic gives the values of the word and meets MUST.
     """
-    names = [v.name for v in (*dha.x, *dha.u)]
-    truths = {name: float(value) for name, value in word}
-    maps = dict(zip(names, np.eye(len(names), len(names) + 1), strict=True))
-    maps |= {name: _number(value, len(names)) for name, value in truths.items()}
-    for v in (*dha.d, *dha.z):
-        if v.name not in dha.definitions:
-            maps.setdefault(v.name, _number(0.0, len(names)))
-    for name in (n for n in dha.evaluation_order if n not in maps):
-        found = _map_of(dha.definitions.get(name), maps, truths)
-        if found is None:
-            return None
-        maps[name] = found
-    results = {f"{v.name}'": _map_of(dha.definitions.get(v.name), maps, truths) for v in dha.x}
-    results |= {v.name: _map_of(dha.definitions.get(v.name), maps, truths) for v in dha.y}
-    known = {name: value for name, value in results.items() if value is not None}
-    return known if len(known) == len(results) else None
+
+    results: Mapping[str, Vector]
+    events: tuple[tuple[Event, Vector], ...]
+    requirements: tuple[tuple[AffineRequirement, Vector], ...]
+    is_possible: bool
 
 
-def _number(value: float, columns: int) -> Vector:
-    return np.append(np.zeros(columns), value)
+def evaluated(dha: Dha, word: FullWord) -> Evaluation | None:
+    """None where a value does not follow without a search.
+
+    That is so in an algebraic loop, and where logic reads a Boolean that the word leaves free.
+    """
+    known = _Known.of(dha, word)
+    try:
+        for name in (n for n in dha.evaluation_order if n not in known.maps):
+            known.maps[name] = known.value_of(dha.definitions.get(name))
+        results = {f"{v.name}'": known.value_of(dha.definitions.get(v.name)) for v in dha.x}
+        results |= {v.name: known.value_of(dha.definitions.get(v.name)) for v in dha.y}
+        events = tuple((item, known.map_of(item.form)) for item in dha.items if isinstance(item, Event))
+        affine = tuple(
+            (item, known.map_of(item.value)) for item in dha.requirements if isinstance(item, AffineRequirement)
+        )
+        return Evaluation(results, events, affine, known.agrees_with(dha))
+    except KeyError:  # a variable that is not known
+        return None
 
 
-def _map_of(
-    definition: Definition | None, maps: Mapping[str, Vector], truths: Mapping[str, float]
-) -> Vector | None:
-    """The map of a definition, None where it reads what is not known."""
-    columns = len(next(iter(maps.values()))) - 1 if maps else 0
-    if definition is None:
-        return _number(0.0, columns)
-    match definition:
-        case Switch(condition=condition) if condition.name in truths:
-            return _map_of_form(definition.branch(truths), maps, columns)
-        case AffineEquation(value=value):
-            return _map_of_form(value, maps, columns)
-        case LogicEquation(value=formula):
-            if all(name in truths for name in read_by(definition)):
-                return _number(float(formula.value(truths)), columns)
-            literal = formula.literal
-            if literal is None or literal.name not in maps:
-                return None
-            return maps[literal.name] if literal.positive else _number(1.0, columns) - maps[literal.name]
-        case _:
-            return None
+@dataclass(frozen=True, eq=False, slots=True)
+class _Known:
+    """Maps of the variables so far, and the Booleans of the word; asking for another one is a KeyError."""
+
+    maps: dict[str, Vector]
+    truths: Mapping[str, float]
+    size: int
+
+    @classmethod
+    def of(cls, dha: Dha, word: FullWord) -> _Known:
+        names = [v.name for v in (*dha.x, *dha.u)]
+        truths = {name: float(value) for name, value in word}
+        known = cls(dict(zip(names, np.eye(len(names), len(names) + 1), strict=True)), truths, len(names))
+        undefined = {v.name: 0.0 for v in (*dha.d, *dha.z) if v.name not in dha.definitions}
+        known.maps.update({name: known.number(value) for name, value in {**undefined, **truths}.items()})
+        return known
+
+    def number(self, value: float) -> Vector:
+        return np.append(np.zeros(self.size), value)
+
+    def map_of(self, form: Affine) -> Vector:
+        return sum((c * self.maps[name] for name, c in form.terms if c), start=self.number(form.constant))
+
+    def value_of(self, definition: Definition | None) -> Vector:
+        match definition:
+            case Switch(condition=condition, then=then, otherwise=otherwise):
+                return self.map_of(then if self.truths[condition.name] == condition.positive else otherwise)
+            case AffineEquation(value=value):
+                return self.map_of(value)
+            case LogicEquation(value=formula):
+                literal = formula.literal
+                if literal is None or literal.name in self.truths:
+                    return self.number(self._truth(formula))
+                own = self.maps[literal.name]
+                return own if literal.positive else self.number(1.0) - own
+            case _:
+                return self.number(0.0)
+
+    def _truth(self, formula: Formula) -> float:
+        return float(formula.value({name: self.truths[name] for name in formula.names}))
+
+    def agrees_with(self, dha: Dha) -> bool:
+        own = all(self._truth(dha.definitions[v.name].value) == self.truths[v.name] for v in _logical(dha))  # type: ignore[union-attr]
+        must = (item.value for item in dha.requirements if isinstance(item, LogicRequirement))
+        return own and all(map(self._truth, must))
 
 
-def _map_of_form(form: Affine, maps: Mapping[str, Vector], columns: int) -> Vector | None:
-    result = _number(form.constant, columns)
-    for name, coefficient in form.terms:
-        if coefficient and name not in maps:
-            return None
-        if coefficient:
-            result = result + coefficient * maps[name]
-    return result
+def _logical(dha: Dha) -> Iterator[Variable]:
+    """Boolean auxiliaries that logic defines."""
+    return (v for v in dha.d if isinstance(dha.definitions.get(v.name), LogicEquation))
