@@ -95,17 +95,7 @@ def _common(search: PwaSearch, first: Mode, second: Mode) -> Answered:
     def pose(problem: Milp, step: Step) -> Search:
         depth = problem.real(0.0, 1.0)
         for mode in (first, second):
-            _add_depth(search, problem, step, mode, depth)
+            search.pair.add_region(problem, step, mode, depth)
         return problem, {depth: 1.0}, _DEEP * search.comparison.margins.tolerance
 
     return search.ask(pose)
-
-
-def _add_depth(search: PwaSearch, problem: Milp, step: Step, mode: Mode, depth: int) -> None:
-    """The rows of a region, those over real coordinates moved inwards in proportion to the size of their terms."""
-    booleans = {v.name for v in (*search.pwa.x, *search.pwa.u) if v.is_bool}
-    for a, b in zip(mode.region.A, mode.region.b, strict=True):
-        form = mode.form(a, float(b))
-        size = 1.0 + sum(abs(c) * max(map(abs, search.comparison.ranges[n])) for n, c in form.terms) + abs(b)
-        inwards = {} if booleans.issuperset(n for n, _ in form.terms) else {depth: float(size)}
-        problem.row({**search.pair.terms(a, step), **inwards}, high=float(b))

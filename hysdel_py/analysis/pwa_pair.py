@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
 from functools import cached_property
-from math import inf
+from itertools import pairwise
+from math import inf, isfinite
 
 import numpy as np
 from numpy.typing import NDArray
@@ -49,7 +50,7 @@ class PwaPair:
         steps = self.pwa.tolerances
         is_beyond = slack < -steps.row - (steps.rounding + steps.range) * size
         is_near = (slack <= self.comparison.margins.tolerance * (1.0 + size)) & ~self._is_boolean
-        parts = list(zip(starts[:-1], starts[1:], strict=True))
+        parts = list(pairwise(starts))
         holding = [i for i, (a, e) in enumerate(parts) if not is_beyond[a:e].any()]
         return holding, [i for i in holding if not is_near[slice(*parts[i])].any()]
 
@@ -137,10 +138,18 @@ class PwaPair:
         holding, inside = self._holding(self._vector(x, u))
         return inside or holding
 
-    def add_region(self, problem: Milp, step: Step, mode: Mode) -> None:
-        """The rows of a region, over the state and input of a step."""
+    def add_region(self, problem: Milp, step: Step, mode: Mode, depth: int | None = None) -> None:
+        """The rows of a region, over the state and input of a step.
+
+        Those over real coordinates are moved inwards by the variable `depth`, in proportion to the size of their terms.
+        """
+        ranges = self.comparison.ranges
         for a, b in zip(mode.region.A, mode.region.b, strict=True):
-            problem.row(self.terms(a, step), high=float(b))
+            terms = self.terms(a, step)
+            sizes = [abs(c) * max(map(abs, ranges[name])) for name, c in zip(self.names, a, strict=True) if c]
+            if depth is not None and not all(problem.integer[i] for i in terms):
+                terms[depth] = 1.0 + sum(filter(isfinite, sizes)) + abs(float(b))
+            problem.row(terms, high=float(b))
 
     def terms(self, a: Vector, step: Step) -> dict[int, float]:
         """A row of a region in the variables of a problem."""

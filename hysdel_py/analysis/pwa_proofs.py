@@ -50,7 +50,7 @@ class CellRows:
 
     def is_within(self, a: Vector, level: float) -> bool:
         """Whether no point of the cell has a greater ``a w`` than a level, by proof."""
-        return self.is_empty or _never_above(a, level, self.A, self.b, self.low, self.high)
+        return self.is_empty or _never_above(a, level, (self.A, self.b), (self.low, self.high))
 
 
 def cell_rows(comparison: Comparison, cell: Cell, evaluation: Evaluation) -> CellRows:
@@ -87,7 +87,7 @@ def is_inside(mode: Mode, rows: CellRows) -> bool:
     fixed = rows.low == rows.high
     low, high = np.where(fixed, -np.inf, rows.low), np.where(fixed, np.inf, rows.high)
     return _has_word(A, b, rows, fixed) and all(
-        _never_above(a, level, A, b, low, high) for a, level in zip(rows.A, rows.most, strict=True)
+        _never_above(a, level, (A, b), (low, high)) for a, level in zip(rows.A, rows.most, strict=True)
     )
 
 
@@ -102,8 +102,9 @@ def _has_word(A: Vector, b: Vector, rows: CellRows, fixed: NDArray[np.bool_]) ->
     return True
 
 
-def _never_above(a: Vector, level: float, A: Vector, b: Vector, low: Vector, high: Vector) -> bool:
+def _never_above(a: Vector, level: float, rows: tuple[Vector, Vector], ranges: tuple[Vector, Vector]) -> bool:
     """Whether ``a w <= level`` follows from ranges, from a row in the same direction, or from a linear program."""
+    (A, b), (low, high) = rows, ranges
     ends = np.where(a > 0, high, low)
     if sum((c * end for c, end in zip(a, ends, strict=True) if c), start=0.0) <= level:
         return True

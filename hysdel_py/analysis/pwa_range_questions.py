@@ -8,7 +8,7 @@ from math import isfinite
 import numpy as np
 from numpy.typing import NDArray
 
-from hysdel_py.analysis.pwa_search import KnownCell, PwaSearch
+from hysdel_py.analysis.pwa_search import PwaSearch
 from hysdel_py.analysis.questions import Answered, worst
 from hysdel_py.analysis.report import CheckStatus
 from hysdel_py.geometry.lp import LpStatus, maximise
@@ -22,7 +22,7 @@ _ENDLESS = 1e6
 """A region that leaves a range without end is followed that far, relative to the end."""
 
 
-def outside_ranges(search: PwaSearch, mode: Mode, own: list[KnownCell]) -> Answered:
+def outside_ranges(search: PwaSearch, mode: Mode) -> Answered:
     """One linear program for each end of a range that no row of the region states."""
     statuses = [CheckStatus.HOLDS]
     for column, sign, end in _unstated_ends(search, mode):

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from functools import partial
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -69,8 +71,9 @@ def region_in_cells(search: PwaSearch, mode: Mode, own: list[KnownCell]) -> Chec
     statuses = []
     is_proven = len(own) == 1 and own[0].rows is not None and is_inside(mode, own[0].rows)
     how = "item" if is_proven else "model"
-    for ask in (outside_ranges,) if is_proven else (_other_word, _against_must, outside_ranges):
-        status, witness = ask(search, mode, own)
+    left = () if is_proven else (partial(_other_word, own=own), _against_must)
+    for ask in (*left, outside_ranges):
+        status, witness = ask(search, mode)
         if witness is not None:
             return Check(Question.BEYOND, _name(mode), status, "model", witness=witness)
         statuses.append(status)
@@ -79,14 +82,15 @@ def region_in_cells(search: PwaSearch, mode: Mode, own: list[KnownCell]) -> Chec
 
 def _other_word(search: PwaSearch, mode: Mode, own: list[KnownCell]) -> Answered:
     def pose(problem: Milp, step: Step) -> Search:
-        search.pair.add_region(problem, step, mode)
+        depth = problem.real(0.0, 1.0)  # deep inside, where no row of another mode can be meant
+        search.pair.add_region(problem, step, mode, depth)
         exclude_words(problem, step, [cell.word for cell in own])
-        return problem, {}, ANY_POINT
+        return problem, {depth: 1.0}, ANY_POINT
 
     return search.ask(pose)
 
 
-def _against_must(search: PwaSearch, mode: Mode, own: list[KnownCell]) -> Answered:
+def _against_must(search: PwaSearch, mode: Mode) -> Answered:
     statuses = []
     for requirement in search.comparison.dha.requirements:
 

@@ -179,7 +179,7 @@ class _Known:
         return float(formula.value({name: self.truths[name] for name in formula.names}))
 
     def agrees_with(self, dha: Dha) -> bool:
-        own = all(self._truth(dha.definitions[v.name].value) == self.truths[v.name] for v in _logical(dha))  # type: ignore[union-attr]
+        own = all(self._truth(dha.definitions[v.name].value) == self.truths[v.name] for v in _logical(dha))  # type: ignore[union-attr, arg-type]
         must = (item.value for item in dha.requirements if isinstance(item, LogicRequirement))
         return own and all(map(self._truth, must))
 

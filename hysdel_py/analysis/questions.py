@@ -21,8 +21,8 @@ from hysdel_py.systems.origin import RowOrigin
 from hysdel_py.systems.signals import Variable
 
 __all__ = [
-    "ANY_POINT", "STATUS", "Answered", "Confirmed", "allowed_checks", "forbidden_checks", "objective_of", "on_thresholds_last",
-    "value_checks", "violate", "worst",
+    "ANY_POINT", "STATUS", "Answered", "Confirmed", "Confirms", "allowed_checks", "forbidden_checks", "objective_of",
+    "on_thresholds_last", "value_checks", "violate", "worst",
 ]  # fmt: skip
 
 Terms = dict[int, float]

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from math import inf
 from typing import TYPE_CHECKING
 
@@ -89,9 +89,8 @@ def verify(
     clock = Clock(seconds)
     if "pwa" in chosen and pwa is None:
         pwa = modes_within(model.dha, clock)
-    tested = tuple(_SHOWN[form] for form in chosen)
-    pair = _prepared(model.dha, model.mld if mld is None else mld, pwa, tested, margins, clock)
-    return _verified(*pair, tested, points, seed)
+    compared = _Compared(chosen, Margins() if margins is None else margins, clock)
+    return compared.verification(model.dha, model.mld if mld is None else mld, pwa, (points, seed))
 
 
 def verify_forms(
@@ -99,7 +98,8 @@ def verify_forms(
 ) -> Verification:
     """Compare a Dha with an Mld; see :func:`verify`."""
     _require_limits(points, seconds)
-    return _verified(*_prepared(dha, mld, None, ("Mld",), margins, Clock(seconds)), ("Mld",), points, seed)
+    compared = _Compared(("mld",), Margins() if margins is None else margins, Clock(seconds))
+    return compared.verification(dha, mld, None, (points, seed))
 
 
 _SHOWN = {"mld": "Mld", "pwa": "Pwa"}
@@ -126,39 +126,40 @@ def _require_limits(points: int, seconds: float) -> None:
         )
 
 
-def _prepared(
-    dha: Dha, mld: Mld, pwa: Pwa | None, tested: tuple[str, ...], margins: Margins | None, clock: Clock
-) -> tuple[Comparison, PwaPair | None, tuple[str, ...]]:
-    """The forms over common ranges, and what was cut off."""
-    dha, notes = _over_common_ranges(dha, mld, "Mld")
-    more: tuple[str, ...] = ()
-    if pwa is not None:
-        dha, more = _over_common_ranges(dha, pwa, "Pwa")
-    comparison = Comparison(dha, mld, Margins() if margins is None else margins, clock)
-    return comparison, None if pwa is None else PwaPair(comparison, pwa), (*notes, *more)
+@dataclass(frozen=True, eq=False, slots=True)
+class _Compared:
+    """Which forms are compared with the Dha, and how closely."""
+
+    forms: tuple[str, ...]
+    margins: Margins
+    clock: Clock
+
+    def verification(self, dha: Dha, mld: Mld, pwa: Pwa | None, drawn: tuple[int, int]) -> Verification:
+        """The report; `drawn` is the number of random points and their seed."""
+        dha, notes = _over_common_ranges(dha, mld, "Mld")
+        if pwa is not None:
+            dha, more = _over_common_ranges(dha, pwa, "Pwa")
+            notes = (*notes, *more)
+        comparison = Comparison(dha, mld, self.margins, self.clock)
+        pair = None if pwa is None else PwaPair(comparison, pwa)
+        tally, checks = self._tally(comparison, pair, *drawn), tuple(self._checks(comparison, pair))
+        shown = tuple(_SHOWN[form] for form in self.forms)
+        return Verification(dha.name, shown, tally, checks, self.margins.band, self.margins.tolerance, notes)
+
+    def _tally(self, comparison: Comparison, pair: PwaPair | None, points: int, seed: int) -> PointTally:
+        compare: list[Compare] = [comparison.compare] if "mld" in self.forms else []
+        if pair is not None and pair.pwa.is_complete:
+            compare.append(pair.compare)
+        return step_points(comparison, points, seed, compare) if points and compare else PointTally()
+
+    def _checks(self, comparison: Comparison, pair: PwaPair | None) -> Iterator[Check]:
+        if "mld" in self.forms:
+            yield from _mld_checks(comparison)
+        if pair is not None:
+            yield from pwa_checks(pair)
 
 
-def _verified(
-    comparison: Comparison,
-    pair: PwaPair | None,
-    notes: tuple[str, ...],
-    tested: tuple[str, ...],
-    points: int,
-    seed: int,
-) -> Verification:
-    compare: list[Compare] = [comparison.compare] if "Mld" in tested else []
-    if pair is not None and pair.pwa.is_complete:
-        compare.append(pair.compare)
-    tally = step_points(comparison, points, seed, compare) if points and compare else PointTally()
-    checks = (
-        *(_checks(comparison) if "Mld" in tested else ()),
-        *(pwa_checks(pair) if pair is not None else ()),
-    )
-    margins = comparison.margins
-    return Verification(comparison.dha.name, tested, tally, checks, margins.band, margins.tolerance, notes)
-
-
-def _checks(comparison: Comparison) -> Iterator[Check]:
+def _mld_checks(comparison: Comparison) -> Iterator[Check]:
     values = tuple(value_checks(comparison))
     yield from values
     yield from forbidden_checks(comparison)
