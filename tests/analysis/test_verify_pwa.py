@@ -70,10 +70,8 @@ def test_a_model_and_its_own_modes_are_equal(model):
     assert "Dha, Pwa have the same steps" in str(alone)
 
 
-def test_modes_leave_booleans_free(model):
-    assert any(value is None or name == "b" for mode in model.pwa.modes for name, value in mode.word) or all(
-        "b" not in mode.values for mode in model.pwa.modes
-    )
+def test_modes_found_in_other_ways_are_equal(model):
+    assert all("b" not in mode.values for mode in model.pwa.modes)  # it is only copied
     assert verdict(model, hys.to_pwa(model, split_booleans=True)).is_equal
     assert verdict(model, hys.to_pwa(model.mld)).is_equal
 
@@ -160,7 +158,7 @@ def test_clutch_faults(kind):
     assert report.status is VerifyStatus.DIFFERENT, str(report)
 
 
-@settings(max_examples=5, deadline=None, suppress_health_check=list(HealthCheck), derandomize=True)
+@settings(max_examples=2, deadline=None, suppress_health_check=list(HealthCheck), derandomize=True)
 @given(models(), st.sampled_from(PWA_FAULTS), st.integers(0, 2**32 - 1))
 def test_random_faults_are_caught_or_change_nothing(text, kind, seed):
     model = hys.load(text)
