@@ -36,7 +36,7 @@ from hysdel_py.systems.dha import AffineRequirement, Dha, DhaItem, Event, LogicR
 from hysdel_py.systems.mld import Mld
 from hysdel_py.systems.signals import Variable
 
-__all__ = ["Comparison", "add_form", "is_requirement"]
+__all__ = ["SHARE", "Comparison", "add_form", "is_requirement"]
 
 Vector = NDArray[np.float64]
 Point = dict[str, float]

@@ -10,12 +10,13 @@ from math import inf, isfinite
 import numpy as np
 from numpy.typing import NDArray
 
-from hysdel_py.analysis.comparison import Comparison
+from hysdel_py.analysis.comparison import SHARE, Comparison
 from hysdel_py.analysis.encoding import Step
 from hysdel_py.analysis.milp import Milp
 from hysdel_py.analysis.pwa_words import FullWord
 from hysdel_py.analysis.stepping import Outcome, Witness, clipped, differing, take_step
 from hysdel_py.errors import SimulationError
+from hysdel_py.systems.dha import Event
 from hysdel_py.systems.mode import Mode
 from hysdel_py.systems.pwa import Pwa
 
@@ -72,6 +73,9 @@ class PwaPair:
             text = f"the state and input lie inside several modes: {', '.join(map(str, inside))}"
             return self._witness(first, Outcome(problems=(text,)), x, u)
         found: Witness | None = None
+        wrong = [index for index in holding if self._is_off_threshold(self.pwa.modes[index], x, u)]
+        if wrong:
+            return self._beside_mode(first, self.pwa.modes[wrong[0]], x, u)
         for index in inside or holding:
             witness = self._beside_mode(first, self.pwa.modes[index], x, u)
             if witness is None:
@@ -80,6 +84,16 @@ class PwaPair:
         if found is None and first.exists:
             return self._witness(first, Outcome(problems=("the state and input lie in the region of no mode",)), x, u)
         return found
+
+    def _is_off_threshold(self, mode: Mode, x: Point, u: Point) -> bool:
+        """Whether the word of a mode has the wrong side of a threshold that the point is clearly off."""
+        values, word = self.comparison.values_at(x, u), mode.values
+        return values is not None and any(
+            word.get(event.name) not in (None, bool(values[event.name] > 0.5))
+            and abs(event.form.value(values)) >= self.comparison.band(event) * (1.0 - SHARE)
+            for event in self.comparison.dha.items
+            if isinstance(event, Event)
+        )
 
     def _beside_mode(self, first: Outcome, mode: Mode, x: Point, u: Point) -> Witness | None:
         word = {name: float(value) for name, value in mode.word if value is not None}
