@@ -1,6 +1,6 @@
-"""Faults put into Mld forms at random: does the verification catch them, without random points?
+"""Faults put into Mld or Pwa forms at random: does the verification catch them, without random points?
 
-    python benchmarks/faults.py [--models 40] [--faults 5] [--seed 0] [--points 2000] [--shipped]
+    python benchmarks/faults.py [--form mld] [--models 40] [--faults 5] [--seed 0] [--points 2000] [--shipped]
 
 A fault may change nothing: a dropped row may be redundant, a constant too large. Where the verification says "equal",
 the two forms are stepped at many points, thresholds and corners included; where they differ, a fault was missed.
@@ -19,15 +19,15 @@ import numpy as np
 
 sys.path.insert(0, str(Path(__file__).parents[1] / "tests"))
 
-from faults import random_fault
+from faults import PWA_FAULTS, pwa_fault, random_fault
 from strategies import models
 
 import hysdel_py as hys
 from hysdel_py.analysis.comparison import Comparison
 from hysdel_py.analysis.margins import Margins
 from hysdel_py.analysis.points import step_points
+from hysdel_py.analysis.pwa_pair import PwaPair
 from hysdel_py.analysis.search import Clock
-from hysdel_py.analysis.verify import verify_forms
 
 
 def drawn_texts(count: int, seed: int) -> list[str]:
@@ -48,23 +48,37 @@ def drawn_texts(count: int, seed: int) -> list[str]:
     return texts[:count]
 
 
-def differs_by_brute_force(dha: hys.Dha, mld: hys.Mld, points: int, seed: int) -> bool:
+def differs_by_brute_force(model: hys.Model, form: hys.Mld | hys.Pwa, points: int, seed: int) -> bool:
     """Whether stepping at many points shows a difference outside the band."""
-    dha = replace(dha, x=mld.x)
-    return bool(step_points(Comparison(dha, mld, Margins(), Clock()), points, seed).different)
+    is_mld = isinstance(form, hys.Mld)
+    mld = form if is_mld else model.mld
+    comparison = Comparison(replace(model.dha, x=mld.x), mld, Margins(), Clock())
+    compare = None if is_mld else [PwaPair(comparison, form).compare]
+    return bool(step_points(comparison, points, seed, compare).different)
 
 
-def judged(dha: hys.Dha, mld: hys.Mld, options: argparse.Namespace) -> str:
-    """What the verification made of a faulty form."""
-    status = verify_forms(dha, mld, points=0).status.value
+def judged(model: hys.Model, form: hys.Mld | hys.Pwa, options: argparse.Namespace) -> str:
+    """What the verification made of a form."""
+    given = {"mld" if isinstance(form, hys.Mld) else "pwa": form}
+    status = hys.verify(model, points=0, **given).status.value
     if status != "equal":
         return {"different": "caught", "not settled": "not settled"}[status]
-    missed = differs_by_brute_force(dha, mld, options.points, options.seed)
+    missed = differs_by_brute_force(model, form, options.points, options.seed)
     return "MISSED" if missed else "equivalent"
+
+
+def drawn_fault(form: hys.Mld | hys.Pwa, generator: np.random.Generator) -> tuple[str, hys.Mld | hys.Pwa] | None:
+    """A kind of fault and the form with it, None where the kind has no place in it."""
+    if isinstance(form, hys.Mld):
+        return random_fault(form, generator)
+    kind = str(generator.choice(PWA_FAULTS))
+    faulty = pwa_fault(form, kind, generator) if form.modes else None
+    return None if faulty is None else (kind, faulty)
 
 
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--form", choices=("mld", "pwa"), default="mld", help="the form that gets the faults")
     parser.add_argument("--models", type=int, default=40, help="random models")
     parser.add_argument("--faults", type=int, default=5, help="faults per model")
     parser.add_argument("--seed", type=int, default=0)
@@ -77,11 +91,12 @@ def main() -> None:
     false_alarms = 0
     for source, count in sources:
         model = hys.load(source)
-        false_alarms += not verify_forms(model.dha, model.mld, points=0).is_equal
+        form = getattr(model, options.form)
+        false_alarms += not hys.verify(model, points=0, **{options.form: form}).is_equal
         for _ in range(count):
-            fault = random_fault(model.mld, generator)
+            fault = drawn_fault(form, generator)
             if fault is not None:
-                outcome = judged(model.dha, fault[1], options)
+                outcome = judged(model, fault[1], options)
                 tally[fault[0], outcome] += 1
                 if outcome in ("MISSED", "not settled"):
                     print(outcome, fault[0], "in", source, file=sys.stderr)

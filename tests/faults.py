@@ -1,4 +1,4 @@
-"""Faults put into an Mld on purpose, as a lowering with a mistake would make them."""
+"""Faults put into an Mld or a Pwa on purpose, as a lowering with a mistake would make them."""
 
 from __future__ import annotations
 
@@ -6,6 +6,8 @@ from dataclasses import replace
 
 import numpy as np
 from scipy.sparse import csr_array
+
+from hysdel_py.geometry.polyhedron import Polyhedron
 
 INEQUALITIES = ("E1", "E2", "E3", "E4")
 EQUATIONS = ("A", "B1", "B2", "B3", "B5", "C", "D1", "D2", "D3", "D5")
@@ -143,3 +145,91 @@ def _equation(mld, generator):
         return None
     place = tuple(int(generator.integers(n)) for n in matrix.shape)
     return change_coefficient(mld, name, place, _amount(generator, abs(matrix).max() or 1.0))
+
+
+# ---- faults of a Pwa -------------------------------------------------------------------------------------------------
+
+
+def lose_mode(pwa, i):
+    """The form without a mode; without its tree too, which would still lead there."""
+    modes = tuple(replace(mode, index=k) for k, mode in enumerate(m for m in pwa.modes if m.index != i))
+    kept = [leaf for leaf, owner in enumerate(pwa.owner) if owner != i]
+    owner = tuple(pwa.owner[leaf] - (pwa.owner[leaf] > i) for leaf in kept)
+    leaves = tuple(pwa.leaves[leaf] for leaf in kept)
+    return replace(pwa, modes=modes, owner=owner, leaves=leaves, tree=None, tests=(), dead_ends=())
+
+
+def with_mode(pwa, i, **changed):
+    """The form with other fields of a mode."""
+    return replace(pwa, modes=tuple(replace(m, **changed) if m.index == i else m for m in pwa.modes))
+
+
+def change_map(pwa, i, name, place, amount):
+    """Another coefficient or offset of an update or an output."""
+    matrix = getattr(pwa.modes[i], name).copy()
+    matrix[place] += amount
+    return with_mode(pwa, i, **{name: matrix})
+
+
+def drop_region_row(pwa, i, row):
+    region, sources = pwa.modes[i].region, pwa.modes[i].sources
+    kept = Polyhedron(np.delete(region.A, row, axis=0), np.delete(region.b, row), region.precision)
+    return with_mode(pwa, i, region=kept, sources=sources[:row] + sources[row + 1 :])
+
+
+def change_region_row(pwa, i, row, sign=1.0, amount=0.0):
+    """A row that is flipped, or moved by an amount."""
+    region = pwa.modes[i].region
+    A, b = region.A.copy(), region.b.copy()
+    A[row] *= sign
+    b[row] = sign * b[row] + amount
+    return with_mode(pwa, i, region=Polyhedron(A, b, region.precision))
+
+
+def swap_words(pwa, i, j):
+    first, second = pwa.modes[i].word, pwa.modes[j].word
+    return with_mode(with_mode(pwa, i, word=second), j, word=first)
+
+
+def region_row_scale(pwa, i, row):
+    """Greatest size of a term of a row of a region within the ranges."""
+    region = pwa.modes[i].region
+    sizes = [max(abs(end) for end in (v.low, v.high)) for v in (*pwa.x, *pwa.u)]
+    return float(max(*(abs(region.A[row]) * np.minimum(sizes, 1e3)), abs(region.b[row]), 1e-3))
+
+
+PWA_FAULTS = ("lost mode", "changed coefficient", "changed offset", "dropped region row", "moved region row",
+              "flipped region row", "swapped words")  # fmt: skip
+
+
+def pwa_fault(pwa, kind, generator):
+    """The form with a fault of a kind, None where that has no place in it."""
+    i = int(generator.integers(len(pwa.modes)))
+    rows = [k for k, source in enumerate(pwa.modes[i].sources) if source.kind.value != "boolean"]
+    row = int(generator.choice(rows)) if rows else None
+    match kind:
+        case "lost mode":
+            return lose_mode(pwa, i)
+        case "changed coefficient" | "changed offset":
+            return _changed_map(pwa, i, "ABCD" if kind == "changed coefficient" else "fg", generator)
+        case "swapped words":
+            others = [m.index for m in pwa.modes if m.word != pwa.modes[i].word]
+            return swap_words(pwa, i, int(generator.choice(others))) if others else None
+        case _ if row is None:
+            return None
+        case "dropped region row":
+            return drop_region_row(pwa, i, row)
+        case "flipped region row":
+            return change_region_row(pwa, i, row, sign=-1.0)
+        case "moved region row":
+            return change_region_row(pwa, i, row, amount=_amount(generator, region_row_scale(pwa, i, row)))
+
+
+def _changed_map(pwa, i, names, generator):
+    sized = [name for name in names if getattr(pwa.modes[i], name).size]
+    if not sized:
+        return None
+    name = str(generator.choice(sized))
+    matrix = getattr(pwa.modes[i], name)
+    place = tuple(int(generator.integers(n)) for n in matrix.shape)
+    return change_map(pwa, i, name, place, _amount(generator, abs(matrix).max() or 1.0))

@@ -53,7 +53,13 @@ MAY_IMPORT: dict[str, set[str]] = {
 }
 LEAVES = {"plotting", "cli", "lsp"}  # these import what they like, and nobody imports them at module level
 # What may be imported inside a function on top of that.
-LAZILY = {"systems": {"plotting"}, "control": {"plotting"}, "model": {"shipped"}, "demos": {"plotting"}}
+LAZILY = {
+    "systems": {"plotting"},
+    "control": {"plotting"},
+    "model": {"shipped"},
+    "demos": {"plotting"},
+    "analysis": {"lowering"},
+}
 
 HEAVY = ("matplotlib", "osqp", "piqp", "networkx", "lark", "scipy", "numpy", "pandas")
 SECONDS_TO_IMPORT = 0.3

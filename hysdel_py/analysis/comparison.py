@@ -36,7 +36,7 @@ from hysdel_py.systems.dha import AffineRequirement, Dha, DhaItem, Event, LogicR
 from hysdel_py.systems.mld import Mld
 from hysdel_py.systems.signals import Variable
 
-__all__ = ["Comparison", "add_form", "is_requirement"]
+__all__ = ["SHARE", "Comparison", "add_form", "is_requirement"]
 
 Vector = NDArray[np.float64]
 Point = dict[str, float]
@@ -163,11 +163,15 @@ class Comparison:
 
     def witness(self, w: Vector, step: Step) -> Witness | None:
         """The state and input of a point, if the two forms differ there."""
-        true = {v.name for v in self.dha.d if w[step.values[v.name]] > 0.5}
-        x, u = ({v.name: w[step.values[v.name]] for v in group} for group in (self.dha.x, self.dha.u))
-        x, u = self._onto_thresholds(clipped(self.dha.x, x), clipped(self.dha.u, u), true)
+        x, u = self.point(w, step)
         values = self.values_at(x, u)
         return None if values is not None and self.is_in_band(values) else self.compare(x, u)
+
+    def point(self, w: Vector, step: Step) -> tuple[Point, Point]:
+        """The state and input of a point of a search, without what rounding did to it."""
+        true = {v.name for v in self.dha.d if w[step.values[v.name]] > 0.5}
+        x, u = ({v.name: w[step.values[v.name]] for v in group} for group in (self.dha.x, self.dha.u))
+        return self._onto_thresholds(clipped(self.dha.x, x), clipped(self.dha.u, u), true)
 
     def _onto_thresholds(self, x: Point, u: Point, true: set[str]) -> tuple[Point, Point]:
         """Move a point back onto the thresholds of true events that rounding put it beyond."""
@@ -210,7 +214,7 @@ class Comparison:
         names = differing(first, second, self.tolerances.__getitem__)
         if first.exists and second.exists and not names:
             return None
-        return Witness(tuple(x.items()), tuple(u.items()), first, second, names)
+        return Witness(tuple(x.items()), tuple(u.items()), first, second, names, "Mld")
 
 
 def mentioned(item: DhaItem) -> tuple[str, ...]:

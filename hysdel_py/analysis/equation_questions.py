@@ -59,7 +59,7 @@ def _equation_in_model(
     for sign in (1.0, -1.0):
         objective = objective_of(form, step.values, -sign)
         add_terms(objective, own, sign)
-        confirmed = Confirmed(comparison, step)
+        confirmed = Confirmed(comparison, step, comparison.clock)
         statuses.append(STATUS[confirmed.search(problem, objective, tolerance + sign * form.constant).found])
         if statuses[-1] is CheckStatus.DIFFERENT:
             return CheckStatus.DIFFERENT, confirmed.witness

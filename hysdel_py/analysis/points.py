@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from math import isfinite
 
 import numpy as np
@@ -14,9 +14,10 @@ from hysdel_py.systems.affine import Affine
 from hysdel_py.systems.dha import Event
 from hysdel_py.systems.signals import Variable
 
-__all__ = ["random_points", "step_points"]
+__all__ = ["Compare", "random_points", "step_points"]
 
 Point = dict[str, float]
+Compare = Callable[[Point, Point], Witness | None]
 
 WITHOUT_RANGE = 1e3
 """An endless range is sampled that far."""
@@ -65,8 +66,17 @@ def _parted(comparison: Comparison, point: Point) -> tuple[Point, Point]:
     return x, u
 
 
-def step_points(comparison: Comparison, count: int, seed: int) -> PointTally:
-    """Step both forms at random points; those in the band around a threshold decide nothing."""
+def step_points(comparison: Comparison, count: int, seed: int, compare: Sequence[Compare] | None = None) -> PointTally:
+    """Step all forms at random points; those in the band around a threshold decide nothing.
+
+    Parameters
+    ----------
+    comparison : Comparison
+    count, seed : int
+    compare : sequence of callable, optional
+        Each steps the Dha and one form at a state and input, and gives the witness if they differ; by default that of
+        the comparison.
+    """
     equal = infeasible = in_band = 0
     different: list[Witness] = []
     dha = comparison.dha
@@ -78,9 +88,9 @@ def step_points(comparison: Comparison, count: int, seed: int) -> PointTally:
         if values is not None and _is_near(comparison, values):
             in_band += 1
             continue
-        witness = comparison.compare(x, u)
-        if witness is not None:
-            different.append(witness)
+        witnesses = [w for w in (ask(x, u) for ask in compare or (comparison.compare,)) if w is not None]
+        if witnesses:
+            different.append(witnesses[0])
         elif values is not None and all(_excess(comparison, item.value, values) <= 0.0 for item in dha.requirements):
             equal += 1
         else:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping
+from typing import Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -11,7 +12,7 @@ from hysdel_py.analysis.comparison import Comparison, add_form
 from hysdel_py.analysis.encoding import Step
 from hysdel_py.analysis.milp import Milp, Source
 from hysdel_py.analysis.report import Check, CheckStatus, Question
-from hysdel_py.analysis.search import Found, Result, settle
+from hysdel_py.analysis.search import Clock, Found, Result, settle
 from hysdel_py.analysis.stepping import Witness
 from hysdel_py.analysis.tseitin import formula_variable
 from hysdel_py.systems.affine import Affine
@@ -20,8 +21,8 @@ from hysdel_py.systems.origin import RowOrigin
 from hysdel_py.systems.signals import Variable
 
 __all__ = [
-    "STATUS", "Answered", "Confirmed", "allowed_checks", "forbidden_checks", "objective_of", "on_thresholds_last",
-    "value_checks", "worst",
+    "ANY_POINT", "STATUS", "Answered", "Confirmed", "Confirms", "allowed_checks", "forbidden_checks", "objective_of",
+    "on_thresholds_last", "value_checks", "violate", "worst",
 ]  # fmt: skip
 
 Terms = dict[int, float]
@@ -47,19 +48,29 @@ def _is_ruled_out(comparison: Comparison, problem: Milp, objective: Terms, thres
     return settle(problem, objective, threshold, _any_point, comparison.clock).found is Found.NONE
 
 
-class Confirmed:
-    """Confirms the points of a search by stepping, and keeps the witness."""
+class Confirms(Protocol):
+    """Two forms side by side."""
 
-    def __init__(self, comparison: Comparison, step: Step) -> None:
-        self._comparison, self._step = comparison, step
+    def witness(self, w: Vector, step: Step) -> Witness | None:
+        """The state and input of a point, if the forms differ there."""
+
+
+class Confirmed:
+    """Confirms the points of a search by stepping, and keeps the witness.
+
+    `pair` is what steps the Dha and the other form: a :class:`Comparison` or a PwaPair.
+    """
+
+    def __init__(self, pair: Confirms, step: Step, clock: Clock) -> None:
+        self._pair, self._step, self._clock = pair, step, clock
         self.witness: Witness | None = None
 
     def search(self, problem: Milp, objective: Terms, threshold: float) -> Result:
         """Search the whole model."""
-        return settle(problem, objective, threshold, self._accept, self._comparison.clock)
+        return settle(problem, objective, threshold, self._accept, self._clock)
 
     def _accept(self, w: Vector) -> bool:
-        self.witness = self._comparison.witness(w, self._step)
+        self.witness = self._pair.witness(w, self._step)
         return self.witness is not None
 
 
@@ -99,7 +110,7 @@ def _forbidden(comparison: Comparison, form: Affine) -> tuple[CheckStatus, str, 
 
 def _forbidden_in_model(comparison: Comparison, form: Affine, level: float, *, clear: bool) -> Answered:
     problem, step = comparison.whole(clear=clear)
-    confirmed = Confirmed(comparison, step)
+    confirmed = Confirmed(comparison, step, comparison.clock)
     result = confirmed.search(problem, objective_of(form, step.values), level)
     return STATUS[result.found], confirmed.witness
 
@@ -174,7 +185,7 @@ def _another_in_model(comparison: Comparison, variable: Variable, *, clear: bool
     own, other = step.values[variable.name], places[variable.name]
     statuses = []
     for search in _differences(comparison, problem, variable, own, other):
-        confirmed = Confirmed(comparison, step)
+        confirmed = Confirmed(comparison, step, comparison.clock)
         statuses.append(STATUS[confirmed.search(*search).found])
         if statuses[-1] is CheckStatus.DIFFERENT:
             return CheckStatus.DIFFERENT, confirmed.witness
@@ -220,10 +231,10 @@ def _violated_part(
     for index in rows:
         form = comparison.rows[index]
         problem.row(objective_of(form, values), high=-form.constant)
-    return (problem, *_violate(comparison, problem, requirement, values))
+    return (problem, *violate(comparison, problem, requirement, values))
 
 
-def _violate(
+def violate(
     comparison: Comparison,
     problem: Milp,
     requirement: AffineRequirement | LogicRequirement,
@@ -246,6 +257,6 @@ def _allowed_in_model(
 ) -> Answered:
     problem, step = comparison.whole(must=False, clear=clear)
     comparison.add_mld(problem, step)
-    objective, threshold = _violate(comparison, problem, requirement, step.values)
-    confirmed = Confirmed(comparison, step)
+    objective, threshold = violate(comparison, problem, requirement, step.values)
+    confirmed = Confirmed(comparison, step, comparison.clock)
     return STATUS[confirmed.search(problem, objective, threshold).found], confirmed.witness

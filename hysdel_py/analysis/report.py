@@ -21,8 +21,9 @@ class Question(Enum):
     ALLOWED = "the Mld has a step although MUST is violated"
     EQUATION = "an update or output differs"
     LOST_MODE = "the Dha has a step and the Pwa none"
+    BEYOND = "a mode holds that should not"
+    MODE = "the map of a mode is another"
     OVERLAP = "two modes hold"
-    MODE = "the Pwa has another step"
 
 
 class CheckStatus(Enum):

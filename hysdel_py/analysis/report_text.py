@@ -30,9 +30,9 @@ def verification_lines(report: Verification) -> Iterator[str]:
     yield from (f"  {line}" for line in _summary(report.checks))
     for witness in report.points.different[:SHOWN_POINTS]:
         yield "different at a random point"
-        yield from witness_lines(witness, ("Dha", report.forms[0]))
+        yield from witness_lines(witness, ("Dha", witness.form))
     for check in report.failed():
-        yield from _check_lines(check, report)
+        yield from _check_lines(check)
 
 
 def _verdict(report: Verification) -> str:
@@ -62,20 +62,19 @@ def _summary(checks: tuple[Check, ...]) -> Iterator[str]:
 _WORDS = {"holds": "no", "different": "yes", "doubtful": "doubtful", "not settled": "not settled"}
 
 
-def _check_lines(check: Check, report: Verification) -> Iterator[str]:
+def _check_lines(check: Check) -> Iterator[str]:
     if check.witness is not None:
         yield f"{check.subject}: {check.question.value}"
     else:
         yield f"{check.subject}: {check.status.value} whether {check.question.value}{_REASON[check.status.value]}"
     yield from (f"  {origin}" for origin in check.origins if str(origin) and str(origin) not in check.subject)
     if check.witness is not None:
-        second = "Pwa" if "Pwa" in report.forms and check.question.name in ("LOST_MODE", "OVERLAP", "MODE") else "Mld"
-        yield from witness_lines(check.witness, ("Dha", second))
+        yield from witness_lines(check.witness, ("Dha", check.witness.form))
 
 
 _REASON = {
     "doubtful": "; the solver names points at which stepping shows no difference",
-    "not settled": "; the time limit came first, or the solver gave up",
+    "not settled": "; a limit came first, or the solver gave up",
 }
 
 

@@ -86,6 +86,8 @@ class Witness:
         Of the Dha and of the other form, or of the old and of the new model.
     differing : tuple of str
         Names whose values differ, empty where one form has no step; ``name'`` is the next value of a state.
+    form : str
+        The second form where a Dha is compared with one, empty between models.
     """
 
     x: Values
@@ -93,6 +95,7 @@ class Witness:
     first: Outcome
     second: Outcome
     differing: tuple[str, ...] = ()
+    form: str = ""
 
     def as_data(self) -> dict[str, Any]:
         """Plain data for JSON."""
@@ -102,6 +105,7 @@ class Witness:
             "first": self.first.as_data(),
             "second": self.second.as_data(),
             "differing": list(self.differing),
+            **({"form": self.form} if self.form else {}),
         }
 
 

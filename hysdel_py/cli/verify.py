@@ -12,8 +12,10 @@ from hysdel_py.analysis.verify import verify
 from hysdel_py.cli.arguments import add_model, add_output, load_model
 from hysdel_py.cli.output import print_json
 from hysdel_py.errors import ArgumentError
+from hysdel_py.export.pwa_data import read_pwa_json
 from hysdel_py.export.reading import read_json, read_mat, read_npz
 from hysdel_py.systems.mld import Mld
+from hysdel_py.systems.pwa import Pwa
 
 __all__ = ["NOT_SETTLED", "add_margins", "add_parser", "margins_of", "seconds_of"]
 
@@ -24,7 +26,8 @@ _READERS = {".json": read_json, ".npz": read_npz, ".mat": read_mat}
 
 _EPILOG = """\
 examples:
-  hysdel verify model.hys                       random points, then a proof for every row and equation
+  hysdel verify model.hys                       random points, then a proof for every row, equation and mode
+  hysdel verify model.hys --forms mld           the matrices alone
   hysdel verify model.hys --mld by_hand.json    judge another MLD form of the same model
   hysdel verify model.hys --points 0 --seconds 60
 
@@ -36,15 +39,19 @@ def add_parser(commands: argparse._SubParsersAction[argparse.ArgumentParser]) ->
     """Add the command."""
     parser = commands.add_parser(
         "verify",
-        help="show that the matrices have the steps of the model",
-        description="Show that the discrete hybrid automaton, which is the meaning of a model, and its MLD form have\n"
-        "the same steps, or find a state and input where they differ.",
+        help="show that matrices and modes have the steps of the model",
+        description="Show that the discrete hybrid automaton, which is the meaning of a model, its MLD form and its\n"
+        "PWA form have the same steps, or find a state and input where they differ.",
         epilog=_EPILOG,
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )
     add_model(parser)
     parser.add_argument(
         "--mld", metavar="FILE", help=f"the MLD form to judge ({', '.join(_READERS)}); default: its own"
+    )
+    parser.add_argument("--pwa", metavar="FILE", help="the PWA form to judge (.json); default: its own")
+    parser.add_argument(
+        "--forms", metavar="LIST", help="forms to judge: mld, pwa or mld,pwa (default: those given, else both)"
     )
     parser.add_argument("--points", type=int, default=200, metavar="N", help="random points (default 200)")
     parser.add_argument("--seed", type=int, default=0, metavar="S", help="of the random points (default 0)")
@@ -85,6 +92,8 @@ def run(options: argparse.Namespace) -> int:
     report = verify(
         model,
         mld=_mld(options.mld) if options.mld else None,
+        pwa=_pwa(options.pwa) if options.pwa else None,
+        forms=None if options.forms is None else tuple(form.strip() for form in options.forms.split(",")),
         points=options.points,
         seed=options.seed,
         margins=margins_of(options),
@@ -103,3 +112,9 @@ def _mld(name: str) -> Mld:
     if reader is None:
         raise ArgumentError(f"--mld {name}: a file that ends in {', '.join(_READERS)} was expected")
     return reader(path)
+
+
+def _pwa(name: str) -> Pwa:
+    if Path(name).suffix.lower() != ".json":
+        raise ArgumentError(f"--pwa {name}: a file that ends in .json was expected")
+    return read_pwa_json(name)

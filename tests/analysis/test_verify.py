@@ -50,7 +50,7 @@ def rows_of(mld, item, defines=""):
 
 
 def test_a_model_and_its_own_form_are_equal(model):
-    report = hys.verify(model, points=60, seed=3)
+    report = hys.verify(model, points=60, seed=3, forms=("mld",))
     assert report.status is VerifyStatus.EQUAL
     assert report.points.total == 60
     assert report.points.equal > 20
@@ -71,7 +71,7 @@ def test_shipped_models_are_equal(name):
 @given(models())
 def test_random_models_are_equal(text):
     model = hys.load(text)
-    report = hys.verify(model, points=10)
+    report = hys.verify(model, points=10, forms=("mld",))
     assert report.is_equal, str(report)
 
 
@@ -199,7 +199,7 @@ def test_random_faults_are_caught_or_change_nothing(text, seed):
 
 
 def test_time_limit_leaves_it_open(model):
-    report = hys.verify(model, points=0, seconds=1e-9)
+    report = hys.verify(model, points=0, seconds=1e-9, forms=("mld",))
     assert report.status is VerifyStatus.NOT_SETTLED
     assert any(check.status is CheckStatus.NOT_SETTLED for check in report.checks)
     assert "not settled" in str(report)
@@ -209,7 +209,7 @@ def test_two_solutions_of_a_loop():
     text = """SYSTEM s { INTERFACE { STATE { BOOL b; } } IMPLEMENTATION { AUX { BOOL d, e; }
       LOGIC { d = e; e = d; } AUTOMATA { b = d; } } }"""
     model = hys.load(text)
-    report = hys.verify(model, points=5)
+    report = hys.verify(model, points=5, forms=("mld",))
     assert report.points.infeasible == 5  # neither form has a unique step anywhere
     assert report.status is VerifyStatus.NOT_SETTLED
     assert {check.status for check in report.failed()} == {CheckStatus.DOUBTFUL}
@@ -219,7 +219,7 @@ def test_two_solutions_of_a_loop():
 def test_must_without_variables(must):
     text = "SYSTEM s { INTERFACE { STATE { REAL x [-1, 1]; } } IMPLEMENTATION { CONTINUOUS { x = x; } MUST { %s } } }"
     model = hys.load(text % must)
-    assert hys.verify(model, points=4).is_equal
+    assert hys.verify(model, points=4, forms=("mld",)).is_equal
     if model.mld.ne:
         assert hys.verify(model, mld=flip_row(model.mld, model.mld.ne - 1), points=4).status is VerifyStatus.DIFFERENT
 

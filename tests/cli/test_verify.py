@@ -18,7 +18,7 @@ def narrow(tmp_path):
 def test_equal(hysdel):
     shown = hysdel("verify", "tank.hys", "--points", "20")
     assert shown.status == 0
-    assert shown.out.startswith("tank: Dha, Mld have the same steps\n")
+    assert shown.out.startswith("tank: Dha, Mld, Pwa have the same steps\n")
     assert "20 random points: 20 alike" in shown.out
     assert "4 checks: 4 no" in shown.out
 
@@ -49,9 +49,21 @@ def test_form_from_a_file(hysdel, tmp_path):
     assert hysdel("verify", "tank.hys", "--param", "gain=2", "--mld", "other.json").status == 0
 
 
+def test_modes_from_a_file(hysdel):
+    assert hysdel("compile", "tank.hys", "--form", "pwa", "-o", "own.json").status == 0
+    assert hysdel("compile", "tank.hys", "--form", "pwa", "--param", "gain=2", "-o", "other.json").status == 0
+    shown = hysdel("verify", "tank.hys", "--pwa", "own.json", "--forms", "pwa")
+    assert shown.status == 0
+    assert shown.out.startswith("tank: Dha, Pwa have the same steps\n")
+    assert hysdel("verify", "tank.hys", "--pwa", "other.json").status == 1
+    assert hysdel("verify", "tank.hys", "--forms", "mld").out.startswith("tank: Dha, Mld have the same steps\n")
+
+
 @pytest.mark.parametrize(
     ("arguments", "words"),
     [
+        (("--pwa", "form.txt"), "a file that ends in .json"),
+        (("--forms", "mdl"), "mld, pwa or both"),
         (("--mld", "form.txt"), "a file that ends in .json"),
         (("--seconds", "0"), "a time above 0"),
         (("--band", "2"), "band is 2"),
