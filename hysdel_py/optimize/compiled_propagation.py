@@ -45,6 +45,11 @@ class CompiledPropagator:
         self._integer[integers] = True
         self._numbers = (s.margin, s.integrality, s.progress, s.huge, s.rounds)
 
+    def warm_up(self) -> None:
+        """Load or compile the kernel now, so that the first search does not have to wait for it."""
+        zeros, sides = np.zeros(self.n), np.zeros(self.m)
+        self.propagate(zeros, zeros.copy(), sides - np.inf, sides + np.inf, np.zeros(0, dtype=np.intp))
+
     def propagate(
         self,
         lb: Vector,

@@ -81,6 +81,11 @@ class DenseSolver:
         self._rows, self._P = _compressed(rows), _compressed(csr_array(self.qp.P))
         self._groups = (*_parallel_rows(rows, self.integer), self.integer)
 
+    def warm_up(self) -> None:
+        """Load or compile the kernels now, so that the first node does not have to wait for them."""
+        low = np.clip(0.0, self.qp.lb, self.qp.ub)
+        self.solve(self.qp, (low, low.copy()), None, QpSettings())
+
     def solve(
         self, qp: Qp, box: tuple[Vector, Vector], guess: Active | None, settings: QpSettings
     ) -> tuple[QpResult, Active]:

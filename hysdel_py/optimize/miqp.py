@@ -21,7 +21,8 @@ from numpy.typing import ArrayLike, NDArray
 
 from hysdel_py.errors import ArgumentError
 from hysdel_py.optimize.backends.registry import get_backend
-from hysdel_py.optimize.compiled_propagation import propagator
+from hysdel_py.optimize.compiled import kernels_are_compiled
+from hysdel_py.optimize.compiled_propagation import CompiledPropagator, propagator
 from hysdel_py.optimize.dense import dense_solver
 from hysdel_py.optimize.heuristics import Guesser
 from hysdel_py.optimize.mixed_integer import Miqp, MiqpResult, MiqpSettings, MiqpStatus, SearchInfo
@@ -59,6 +60,10 @@ class MiqpSolver:
         )
         self.propagator = propagator(miqp.qp.A, miqp.binaries, self.settings.propagation)
         self.guesser = Guesser.of(miqp, self.propagator)
+        if self.verified.dense is not None and kernels_are_compiled():
+            self.verified.dense.warm_up()
+        if isinstance(self.propagator, CompiledPropagator):
+            self.propagator.warm_up()
 
     def solve(
         self,
