@@ -128,7 +128,7 @@ class Pwa:
         Raises
         ------
         ArgumentError, SimulationError
-            As in :meth:`step`; also where the mode was merged, there is no tree, and the joined modes have other values.
+            As in :meth:`step`; also where joined modes have different values and there is no tree to tell them apart.
         """
         state, control = as_vector(x, self.x, "state"), as_vector(u, self.u, "input")
         return self._auxiliaries_of(self._leaf(state, control, check=True), np.concatenate([state, control]))
