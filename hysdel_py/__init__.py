@@ -24,7 +24,7 @@ if TYPE_CHECKING:
     from hysdel_py.control.moving_horizon import Estimate, MovingHorizonEstimator
     from hysdel_py.control.observer import KalmanObserver
     from hysdel_py.errors import ArgumentError, CompileError, HysdelError, SimulationError
-    from hysdel_py.export.reading import read_json
+    from hysdel_py.export.json_file import read_json
     from hysdel_py.model import Model, audit, load, to_dha, to_mld, to_pwa, to_symbolic_mld
     from hysdel_py.optimize.case_file import CaseFile, read_case
     from hysdel_py.optimize.mpqp import MpQp, MpQpSettings, ParametricSolution, solve_mpqp
@@ -82,7 +82,7 @@ _HOME = {
     "explain_infeasible": "reports.explain_infeasible",
     "load": "model",
     "read_case": "optimize.case_file",
-    "read_json": "export.reading",
+    "read_json": "export.json_file",
     "shipped_models": "shipped",
     "simulate": "systems.simulation",
     "solve_mpqp": "optimize.mpqp",

@@ -9,6 +9,7 @@ from pathlib import Path
 import numpy as np
 
 from hysdel_py.cli.arguments import add_model, add_output, load_model
+from hysdel_py.cli.compile_options import check_form
 from hysdel_py.cli.compile_pwa import compile_pwa
 from hysdel_py.cli.output import check_target, print_json
 from hysdel_py.cli.writers import FORMATS, find_writer
@@ -49,13 +50,12 @@ def add_parser(commands: argparse._SubParsersAction[argparse.ArgumentParser]) ->
     )
     parser.add_argument("--form", choices=["mld", "pwa"], default="mld", help="which form is written (default mld)")
     parser.add_argument("--merge", action="store_true", help="with --form pwa: join modes that do the same")
-    parser.add_argument("--big-m", choices=["lp", "interval"], default="lp",
+    parser.add_argument("--big-m", choices=["lp", "interval"],
         help="rule for the big-M constants: linear programs (default), or interval arithmetic as HYSDEL 2.0.5",
     )  # fmt: skip
     parser.add_argument(
         "--constants",
         choices=["affine", "aux", "forbid"],
-        default="affine",
         help="constant terms of updates and outputs: B5 and D5 (default), auxiliaries, or errors",
     )
     parser.add_argument("--share", action="store_true", help="merge generated Booleans of equal definition")
@@ -66,6 +66,7 @@ def add_parser(commands: argparse._SubParsersAction[argparse.ArgumentParser]) ->
 
 def run(options: argparse.Namespace) -> int:
     """Run the command."""
+    options = check_form(options)
     if options.form == "pwa":
         return compile_pwa(options)
     writer = find_writer(options.output) if options.output else None

@@ -13,7 +13,7 @@ from hysdel_py.cli.arguments import add_model, add_output, load_model
 from hysdel_py.cli.output import print_json
 from hysdel_py.errors import ArgumentError
 from hysdel_py.export.pwa_data import read_pwa_json
-from hysdel_py.export.reading import read_json, read_mat, read_npz
+from hysdel_py.export.reading import read_mat, read_mld_json, read_npz
 from hysdel_py.systems.mld import Mld
 from hysdel_py.systems.pwa import Pwa
 
@@ -22,7 +22,7 @@ __all__ = ["NOT_SETTLED", "add_margins", "add_parser", "margins_of", "seconds_of
 NOT_SETTLED = 4
 """Exit status where neither equality nor a difference was shown."""
 
-_READERS = {".json": read_json, ".npz": read_npz, ".mat": read_mat}
+_READERS = {".json": read_mld_json, ".npz": read_npz, ".mat": read_mat}
 
 _EPILOG = """\
 examples:

@@ -20,7 +20,7 @@ from hysdel_py.systems.signals import Kind, Type, Variable
 from hysdel_py.systems.symbolic_mld import MATRICES
 from hysdel_py.tolerances import Tolerances
 
-__all__ = ["json_data", "mld_from_dict", "read_json", "read_mat", "read_npz", "variable_of"]
+__all__ = ["json_data", "mld_from_dict", "read_mat", "read_mld_json", "read_npz", "variable_of"]
 
 Path_ = str | os.PathLike[str]
 
@@ -43,7 +43,7 @@ def mld_from_dict(data: Mapping[str, Any]) -> Mld:
         raise ArgumentError(f"the data of an Mld is damaged: {type(error).__name__}: {error}") from None
 
 
-def read_json(path: Path_) -> Mld:
+def read_mld_json(path: Path_) -> Mld:
     """Mld of a JSON file.
 
     Raises

@@ -29,8 +29,12 @@ Vector = NDArray[np.float64]
 Matrix = NDArray[np.float64]
 Fixed = tuple[tuple[int, float], ...]
 
-_ROUNDING = 1e-12
-"""Coefficients below this, relative to the largest of their row, are what rounding has left of zero."""
+Unknowns = tuple[tuple[str, int], ...]
+Sized = tuple[Matrix, Matrix]
+"""Sums and, in the same places, the absolute sums of the terms that they were added up from."""
+
+_ROUNDING = 1e-13
+"""A sum below this, relative to the absolute sum of its terms, is what rounding has left of zero."""
 
 
 def mld_to_pwa(
@@ -61,6 +65,20 @@ class _Rows:
         return cls(W, mld.E2.toarray(), mld.E3.toarray(), np.asarray(mld.E5))
 
 
+@dataclass(frozen=True, eq=False, slots=True)
+class _Leaf:
+    """A word of binaries: their values, the rows ``region (w, 1) <= 0``, and z with its size.
+
+    Rows read the columns `open_columns` of Boolean coordinates without a value, which need one before they can cut.
+    """
+
+    d: Vector
+    truths: dict[str, float]
+    region: Matrix
+    z: Sized
+    open_columns: tuple[int, ...]
+
+
 class _Search:
     """Words of binaries that wait, and the modes that were found."""
 
@@ -78,9 +96,11 @@ class _Search:
 
     def _decisive(self, every: tuple[str, ...]) -> tuple[int, ...]:
         """Columns of the Boolean coordinates that rows read, other than those that only define z by an equation."""
-        equations = _opposite_rows(np.hstack([self._rows.W, self._rows.D, self._rows.Z]), self._rows.b)
-        read = np.any(np.delete(self._rows.W, sorted(equations), axis=0) != 0, axis=0)
-        passed = np.any(self._rows.W != 0, axis=0) & self._reaches_inequalities(equations)
+        rows = self._rows
+        opposite = _opposite_rows(np.hstack([rows.W, rows.D, rows.Z]), rows.b)
+        equations = {row for row in opposite if rows.Z[row].any()}
+        read = np.any(np.delete(rows.W, sorted(equations), axis=0) != 0, axis=0)
+        passed = np.any(rows.W != 0, axis=0) & self._reaches_inequalities(equations)
         columns = self._space.boolean_columns
         return tuple(c for name, c in columns.items() if name in every or read[c] or passed[c])
 
@@ -96,25 +116,31 @@ class _Search:
 
     def run(self, max_modes: int, progress: Callable[[int, int, int], None] | None) -> Pwa:
         """Fix binary after binary, the value 1 first."""
-        unknowns = [("d", k) for k in range(self._mld.nd)] + [("w", c) for c in self._chosen]
-        pending: list[tuple[int, tuple[float, ...]]] = [(0, ())]
+        unknowns = (*(("d", k) for k in range(self._mld.nd)), *(("w", c) for c in self._chosen))
+        pending: list[tuple[Unknowns, tuple[float, ...]]] = [(unknowns, ())]
         while pending and len(self._modes) < max_modes:
-            position, word = pending.pop()
+            unknowns, word = pending.pop()
             self._cells += 1
-            if position == len(unknowns):
-                self._add_mode(unknowns, word)
-                if progress is not None:
-                    progress(len(self._modes), len(pending), self._solver.solved)
+            if len(word) < len(unknowns):
+                pending += [(unknowns, child) for child in self._children(unknowns, word)]
                 continue
-            values = (0.0, 1.0) if self._is_used(unknowns[position]) else (0.0,)
-            children = [(position + 1, (*word, value)) for value in values]
-            pending += [child for child in children if self._may_hold(unknowns, child[1])]
+            leaf = self._leaf(unknowns, word)
+            if leaf.open_columns:
+                pending.append(((*unknowns, *(("w", c) for c in leaf.open_columns)), word))
+                continue
+            self._add_mode(leaf)
+            if progress is not None:
+                progress(len(self._modes), len(pending), self._solver.solved)
         return self._pwa(is_complete=not pending)
+
+    def _children(self, unknowns: Unknowns, word: tuple[float, ...]) -> list[tuple[float, ...]]:
+        values = (0.0, 1.0) if self._is_used(unknowns[len(word)]) else (0.0,)
+        return [child for value in values if self._may_hold(unknowns, child := (*word, value))]
 
     def _is_used(self, unknown: tuple[str, int]) -> bool:
         return unknown[0] == "w" or bool(self._used[unknown[1]])
 
-    def _may_hold(self, unknowns: list[tuple[str, int]], word: tuple[float, ...]) -> bool:
+    def _may_hold(self, unknowns: Unknowns, word: tuple[float, ...]) -> bool:
         """Whether the relaxation leaves a point; only a proven bound prunes."""
         mld, rows = self._mld, self._rows
         columns = (*mld.x, *mld.u, *mld.d, *mld.z)
@@ -131,35 +157,40 @@ class _Search:
         answer = self._solver.maximise(cost, slack, rows.b / lengths, np.append(low, -1.0), np.append(high, 1.0))
         return not answer.bound < -self._solver.precision.touch
 
-    def _add_mode(self, unknowns: list[tuple[str, int]], word: tuple[float, ...]) -> None:
-        mld, space = self._mld, self._space
-        d = np.array(word[: mld.nd])
-        truths = {v.name: value for v, value in zip(mld.d, d, strict=True)}
+    def _leaf(self, unknowns: Unknowns, word: tuple[float, ...]) -> _Leaf:
+        """What the rows say where the binaries have the values of a word."""
+        space = self._space
+        d = np.array(word[: self._mld.nd])
+        truths = {v.name: value for v, value in zip(self._mld.d, d, strict=True)}
         truths |= {space.names[c]: value for (kind, c), value in zip(unknowns, word, strict=True) if kind == "w"}
-        found = self._cell(d, truths)
-        if found is None:
-            return
-        cell, z = found
-        maps = tuple(self._maps(blocks, d, z) for blocks in self._equations())
-        index, precision = len(self._modes), self._solver.precision
-        self._modes.append(space.mode(index, truths, (maps[0], maps[1]), cell.minimal(self._solver), precision))
-        self._leaves.append(space.auxiliaries(d.tolist(), list(z)))
+        left, size = self._left_sides(d, truths)
+        z, z_size = self._solve_z(left, size)
+        region = _cleaned(left + self._rows.Z @ z, size + np.abs(self._rows.Z) @ z_size)
+        free = [c for name, c in space.boolean_columns.items() if name not in truths]
+        open_columns = tuple(c for c in free if region[:, c].any())
+        return _Leaf(d, truths, region, (z, z_size), open_columns)
 
-    def _cell(self, d: Vector, truths: dict[str, float]) -> tuple[Cell, Matrix] | None:
-        """The region at fixed binaries and the maps of z in it; None where the rows cannot be met."""
-        names = self._space.names
-        left = self._left_sides(d, truths)
-        z = self._solve_z(left)
-        region = left + self._rows.Z @ z
-        region[np.abs(region) <= _ROUNDING * (np.abs(left) + np.abs(self._rows.Z) @ np.abs(z))] = 0.0
+    def _add_mode(self, leaf: _Leaf) -> None:
+        space, precision = self._space, self._solver.precision
+        cell = self._cell(leaf.region)
+        if cell is None:
+            return
+        maps = tuple(self._maps(blocks, leaf.d, leaf.z) for blocks in self._equations())
+        minimal = cell.minimal(self._solver)
+        self._modes.append(space.mode(len(self._modes), leaf.truths, (maps[0], maps[1]), minimal, precision))
+        self._leaves.append(space.auxiliaries(leaf.d.tolist(), list(leaf.z[0])))
+
+    def _cell(self, region: Matrix) -> Cell | None:
+        """The region of a leaf; None where the rows cannot be met."""
+        columns = [*self._space.reals, len(self._space.names)]
         cell: Cell | None = self._space.root
         for row, origin in zip(region, self._mld.rows, strict=True):
             if cell is None:
                 return None
-            cell = self._cut(cell, row[[*self._space.reals, len(names)]], origin)
-        return None if cell is None else (cell, z)
+            cell = self._cut(cell, row[columns], origin)
+        return cell
 
-    def _left_sides(self, d: Vector, truths: dict[str, float]) -> Matrix:
+    def _left_sides(self, d: Vector, truths: dict[str, float]) -> Sized:
         """What stands beside z at fixed binaries: ``left (w, 1) + Z z <= 0``."""
         rows = self._rows
         values = np.zeros(rows.W.shape[1])
@@ -169,7 +200,7 @@ class _Search:
         size = np.abs(rows.W) @ values + np.abs(rows.D) @ d + np.abs(rows.b)
         W = rows.W.copy()
         W[:, fixed] = 0.0
-        return np.column_stack([W, np.where(np.abs(constant) <= _ROUNDING * size, 0.0, constant)])
+        return np.column_stack([W, _cleaned(constant, size)]), np.column_stack([np.abs(W), size])
 
     def _cut(self, cell: Cell, row: Vector, origin: RowOrigin) -> Cell | None:
         a, c = row[:-1], float(row[-1])
@@ -177,29 +208,30 @@ class _Search:
             return cell if c <= self._mld.tolerances.row else None
         return cell.cut(a, -c, _condition(origin), self._solver)
 
-    def _solve_z(self, left: Matrix) -> Matrix:
+    def _solve_z(self, left: Matrix, size: Matrix) -> Sized:
         """Maps of z from the rows that became equations: ``Z z = -left w``."""
         rows = self._rows
         used = np.any(rows.Z != 0, axis=0)
         equations = sorted(_opposite_rows(np.hstack([left[:, :-1], rows.Z]), -left[:, -1]))
-        Z, right = rows.Z[equations][:, used], -left[equations]
-        z = np.zeros((self._mld.nz, left.shape[1]))
+        Z = rows.Z[equations][:, used]
+        z, z_size = np.zeros((2, self._mld.nz, left.shape[1]))
         if not used.any():
-            return z
+            return z, z_size
         if np.linalg.matrix_rank(Z) < int(used.sum()):
             open_names = ", ".join(v.name for v, is_used in zip(self._mld.z, used, strict=True) if is_used)
             raise SimulationError((f"the rows do not determine the real auxiliaries ({open_names}) in every mode",))
-        z[used] = _solved(Z, right)
-        return z
+        z[used], z_size[used] = _solved(Z, -left[equations], size[equations])
+        return z, z_size
 
     def _equations(self) -> tuple[tuple[Matrix, ...], tuple[Matrix, ...]]:
         m = self._mld
         return (m.A, m.B1, m.B2, m.B3, m.B5), (m.C, m.D1, m.D2, m.D3, m.D5)
 
-    def _maps(self, blocks: tuple[Matrix, ...], d: Vector, z: Matrix) -> list[Vector]:
+    def _maps(self, blocks: tuple[Matrix, ...], d: Vector, z: Sized) -> list[Vector]:
         X, U, D, Z, constant = blocks
         own = np.column_stack([X, U, constant + D @ d])
-        return list(own + Z @ z)
+        size = np.column_stack([np.abs(X), np.abs(U), np.abs(constant) + np.abs(D) @ d])
+        return list(_cleaned(own + Z @ z[0], size + np.abs(Z) @ z[1]))
 
     def _pwa(self, *, is_complete: bool) -> Pwa:
         mld = self._mld
@@ -210,13 +242,27 @@ class _Search:
         )  # fmt: skip
 
 
-def _solved(Z: Matrix, right: Matrix) -> Matrix:
-    """One solution of a consistent system, by its independent equations alone, so that simple ones stay exact."""
-    from scipy.linalg import qr
+def _cleaned(sums: Matrix, size: Matrix) -> Matrix:
+    """Sums without what rounding has left of zero."""
+    return np.where(np.abs(sums) <= _ROUNDING * size, 0.0, sums)
+
+
+def _solved(Z: Matrix, right: Matrix, size: Matrix) -> Sized:
+    """One solution of a consistent system, by its independent equations alone, so that simple ones stay exact.
+
+    The elimination ``L U z = right`` adds up terms of the size ``|L| |U| |z| + |right|``, and what their rounding does
+    to z is at most ``|Z^-1|`` times as large (N. J. Higham, "Accuracy and Stability of Numerical Algorithms", 2002,
+    theorem 9.4). A part of z whose terms cancel is small against that, not against itself.
+    """
+    from scipy.linalg import lu, qr
 
     _, _, order = qr(Z.T, mode="economic", pivoting=True)
     chosen = order[: Z.shape[1]]
-    return np.asarray(np.linalg.solve(Z[chosen], right[chosen]))
+    z = np.linalg.solve(Z[chosen], right[chosen])
+    lower, upper = lu(Z[chosen], permute_l=True)
+    terms = np.abs(lower) @ np.abs(upper) @ np.abs(z) + size[chosen]
+    z_size = np.abs(np.linalg.inv(Z[chosen])) @ terms
+    return _cleaned(z, z_size), z_size
 
 
 def _used_columns(mld: Mld, rows: _Rows) -> NDArray[np.bool_]:

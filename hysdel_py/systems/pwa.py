@@ -123,9 +123,15 @@ class Pwa:
     def auxiliaries(
         self, x: ArrayLike | Mapping[str, float], u: ArrayLike | Mapping[str, float] = ()
     ) -> tuple[Vector, Vector]:
-        """Values of d and z at a state and input; errors as in :meth:`step`."""
+        """Values of d and z at a state and input.
+
+        Raises
+        ------
+        ArgumentError, SimulationError
+            As in :meth:`step`; also where joined modes have different values and there is no tree to tell them apart.
+        """
         state, control = as_vector(x, self.x, "state"), as_vector(u, self.u, "input")
-        return self.leaves[self._leaf(state, control, check=True)].at(np.concatenate([state, control]))
+        return self._auxiliaries_of(self._leaf(state, control, check=True), np.concatenate([state, control]))
 
     def locate(self, x: ArrayLike | Mapping[str, float], u: ArrayLike | Mapping[str, float] = ()) -> int | None:
         """Index of the mode of a state and input, None if there is none."""
@@ -163,12 +169,24 @@ class Pwa:
 
     def _leaf_by_regions(self, w: Vector) -> int:
         found = [leaf for leaf in range(len(self.owner)) if self._fits(leaf, w)]
-        if len(found) > 1:
-            numbers = ", ".join(str(self.owner[leaf]) for leaf in found)
+        modes = tuple(dict.fromkeys(self.owner[leaf] for leaf in found))
+        if len(modes) > 1:
+            numbers = ", ".join(map(str, modes))
             raise SimulationError((f"the state and input lie in several modes: {numbers}",))
         if not found:
             raise SimulationError((self._reason(w, Place(-1, -1)),))
         return found[0]
+
+    def _auxiliaries_of(self, leaf: int, w: Vector) -> tuple[Vector, Vector]:
+        """Values of d and z at a leaf; without a tree nothing tells the leaves of a merged mode apart."""
+        values = self.leaves[leaf].at(w)
+        mode = self.owner[leaf]
+        others = [k for k, owner in enumerate(self.owner) if owner == mode and k != leaf] if self.tree is None else []
+        if all(np.array_equal(np.concatenate(values), np.concatenate(self.leaves[k].at(w))) for k in others):
+            return values
+        raise SimulationError(
+            (f"mode {mode} joins modes that differ in their auxiliaries here: ask the Pwa before merge() for them",)
+        )
 
     def _leaf_of_hull(self, w: Vector, place: Place) -> int:
         """The leaf of a point in a gap that merged modes have closed."""
@@ -189,7 +207,7 @@ class Pwa:
         """Groups of modes that share the map to the next state and output."""
         from hysdel_py.systems.pwa_merge import equal_dynamics
 
-        return equal_dynamics(self.modes)
+        return equal_dynamics(self)
 
     def merge(self) -> Pwa:
         """The same system with fewer modes: equal maps on regions whose union is convex are joined.
@@ -254,4 +272,4 @@ class _WithAuxiliaries:
         x1, y, _ = self.pwa.step(x, u, check=check)
         state, control = as_vector(x, self.pwa.x, "state"), as_vector(u, self.pwa.u, "input")
         leaf = self.pwa._leaf(state, control, check=check)
-        return (x1, y, *self.pwa.leaves[leaf].at(np.concatenate([state, control])))
+        return (x1, y, *self.pwa._auxiliaries_of(leaf, np.concatenate([state, control])))

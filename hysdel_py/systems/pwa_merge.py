@@ -7,7 +7,6 @@ Geometry 18, 2001). Here two sides of a threshold are a gap apart, and the union
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
@@ -26,19 +25,22 @@ if TYPE_CHECKING:
 
 __all__ = ["equal_dynamics", "merge"]
 
-_SAME = 1e-9
-"""Maps are equal up to this, relative to their greatest coefficients and at least absolute."""
+_SAME = 1e-12
+"""A row of two maps is equal up to this, relative to the size of its own terms: what rounding can do, no more."""
 _HALF_A_GAP = 0.51
 """Part of a gap by which both of its sides can be missed at once."""
 
 Vector = NDArray[np.float64]
+Matrix = NDArray[np.float64]
 
 
-def equal_dynamics(modes: Sequence[Mode]) -> tuple[tuple[int, ...], ...]:
+def equal_dynamics(pwa: Pwa) -> tuple[tuple[int, ...], ...]:
     """Indices of modes in groups of equal maps."""
+    values = tuple(v.is_bool for v in (*pwa.x, *pwa.y))
+    reach = _reach((*pwa.x, *pwa.u))
     groups: list[list[Mode]] = []
-    for mode in modes:
-        home = next((group for group in groups if _equal(group[0], mode)), None)
+    for mode in pwa.modes:
+        home = next((group for group in groups if _equal(group[0], mode, values, reach)), None)
         if home is None:
             groups.append([mode])
         else:
@@ -46,10 +48,27 @@ def equal_dynamics(modes: Sequence[Mode]) -> tuple[tuple[int, ...], ...]:
     return tuple(tuple(mode.index for mode in group) for group in groups)
 
 
-def _equal(first: Mode, second: Mode) -> bool:
+def _reach(variables: tuple[Variable, ...]) -> Vector:
+    """Greatest absolute values of the variables, and 1 for the constant term."""
+    return np.array([*(1.0 if v.is_bool else max(abs(v.low), abs(v.high)) for v in variables), 1.0])
+
+
+def _equal(first: Mode, second: Mode, values: tuple[bool, ...], reach: Vector) -> bool:
+    """Whether rows of Booleans (where `values` is true) are the same, and the others up to rounding."""
     one, other = first.dynamics, second.dynamics
-    size = max(1.0, float(np.abs(one).max(initial=0.0)))
-    return bool(np.all(np.abs(one - other) <= _SAME * size))
+    exact = np.array(values, dtype=bool)
+    return bool(np.array_equal(one[exact], other[exact])) and _nearly_equal(one[~exact], other[~exact], reach)
+
+
+def _nearly_equal(one: Matrix, other: Matrix, reach: Vector) -> bool:
+    """Whether the rows differ, over the ranges, by no more than rounding of their own terms.
+
+    A variable without a finite range has no greatest term: its coefficients are compared one by one.
+    """
+    finite = np.isfinite(reach)
+    apart, size = np.abs(one - other), np.maximum(np.abs(one), np.abs(other))
+    bounded = apart[:, finite] @ reach[finite] <= _SAME * (size[:, finite] @ reach[finite])
+    return bool(np.all(bounded) and np.all(apart[:, ~finite] <= _SAME * size[:, ~finite]))
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -134,7 +153,7 @@ def _convex_union(first: Section, second: Section, solver: LpSolver) -> list[Row
     kept, removed = _by_validity(first, second, solver)
     others_kept, others_removed = _by_validity(second, first, solver)
     envelope = kept + others_kept
-    A = np.array([row for row, _, _ in envelope]).reshape(-1, first.A.shape[1])
+    A = np.array([row for row, _, _ in envelope]).reshape(len(envelope), first.A.shape[1])
     b = np.array([side for _, side, _ in envelope])
     convex = all(_nearly_covered(A, b, one, other, solver) for one in removed for other in others_removed)
     return envelope if convex else None
@@ -171,7 +190,7 @@ def _mode(
 ) -> Mode:
     """The first mode on the rows of the envelope."""
     reals = [i for i, v in enumerate(variables) if not v.is_bool]
-    A = np.array([row for row, _, _ in rows]).reshape(-1, len(reals))
+    A = np.array([row for row, _, _ in rows]).reshape(len(rows), len(reals))
     b = np.array([side for _, side, _ in rows])
     needed = irredundant_rows(A, b, np.zeros((0, len(reals))), solver)
     full = np.zeros((len(needed), len(variables)))

@@ -27,6 +27,21 @@ def test_compile_writes_modes(tmp_path, capsys):
     assert main(["compile", "clutch", "--form", "pwa", "-o", "m.npz"]) == 2
 
 
+@pytest.mark.parametrize(
+    ("given", "words"),
+    [
+        (["--merge"], "add --form pwa, or leave --merge out"),
+        (["--form", "mld", "--merge"], "add --form pwa, or leave --merge out"),
+        (["--form", "pwa", "--big-m", "lp"], "leave out --big-m, or --form pwa"),
+        (["--form", "pwa", "--share", "--compact"], "leave out --share, --compact, or --form pwa"),
+        (["--form", "pwa", "--constants", "aux"], "leave out --constants, or --form pwa"),
+    ],
+)
+def test_options_without_effect_are_wrong_usage(given, words, capsys):
+    assert main(["compile", "clutch", *given]) == 2
+    assert words in capsys.readouterr().err
+
+
 def test_graph(tmp_path, capsys):
     assert main(["graph", "clutch", "--kind", "adjacency"]) == 0
     assert capsys.readouterr().out.startswith('graph "clutch" {')

@@ -17,6 +17,7 @@ def test_what_is_read_is_what_was_written(name, merged, tmp_path):
     pwa = pwa.merge() if merged else pwa
     write_pwa_json(pwa, tmp_path / "modes.json")
     again = read_pwa_json(tmp_path / "modes.json")
+    assert pwa_to_dict(hys.read_json(tmp_path / "modes.json")) == pwa_to_dict(pwa)
     assert json.dumps(pwa_to_dict(again)) == json.dumps(pwa_to_dict(pwa))
     assert again.describe() == pwa.describe()
     state = [(v.low + v.high) / 2 if not v.is_bool else 0 for v in pwa.x]

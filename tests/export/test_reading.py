@@ -11,9 +11,9 @@ from strategies import models
 
 import hysdel_py as hys
 from hysdel_py.export.matrices import MATRICES, mld_to_dict, write_json, write_mat, write_npz
-from hysdel_py.export.reading import mld_from_dict, read_json, read_mat, read_npz
+from hysdel_py.export.reading import mld_from_dict, read_mat, read_mld_json, read_npz
 
-FORMS = {"json": (write_json, read_json), "npz": (write_npz, read_npz), "mat": (write_mat, read_mat)}
+FORMS = {"json": (write_json, read_mld_json), "npz": (write_npz, read_npz), "mat": (write_mat, read_mat)}
 each_form = pytest.mark.parametrize(("write", "read"), FORMS.values(), ids=list(FORMS))
 
 
@@ -63,7 +63,7 @@ def damaged(**changes):
 @pytest.mark.parametrize(
     ("data", "words"),
     [
-        (damaged(schema="hysdel_py/mld/99"), "'hysdel_py/mld/99': 'hysdel_py/mld/1' was expected"),
+        (damaged(schema="hysdel_py/mld/99"), "'hysdel_py/mld/99': 'hysdel_py/mld/1' or 'hysdel_py/pwa/1' was expected"),
         ({}, "None"),
         ([], "None"),
         (damaged(A=[[1.0]]), "damaged"),
@@ -80,7 +80,7 @@ def test_other_data_is_refused(data, words, tmp_path):
 def test_files_of_another_kind_are_refused(tmp_path):
     path = tmp_path / "file"
     path.write_text("{ no")
-    for read in (read_json, read_npz, read_mat):
+    for read in (hys.read_json, read_mld_json, read_npz, read_mat):
         with pytest.raises(hys.ArgumentError, match="file"):
             read(path)
     np.savez(tmp_path / "other.npz", a=np.zeros(2))

@@ -1,5 +1,6 @@
 """The modes of a model: on random models and points all three forms agree, and both ways to the modes do."""
 
+from itertools import product
 from pathlib import Path
 
 import numpy as np
@@ -141,6 +142,40 @@ def test_a_boolean_behind_a_threshold_is_split():
     for x in (-1.5, 0.0, 2.0):
         for b in (0, 1):
             assert compare(model, model.pwa, np.array([x, b]), np.zeros(0))
+
+
+COPIED = """SYSTEM s { INTERFACE { STATE { BOOL b; } } IMPLEMENTATION { AUX { BOOL d; } LOGIC { d = b; }
+  AUTOMATA { b = d; } } }"""
+TWO_EQUATIONS = """SYSTEM s { INTERFACE { STATE { REAL x [0, 2]; BOOL b, c; } } IMPLEMENTATION { AUX { REAL z; }
+  LINEAR { z = x + (REAL b); } CONTINUOUS { x = z; } AUTOMATA { b = b; c = c; } %s } }"""
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        COPIED,
+        COPIED.replace("d = b;", "d = ~b;"),
+        TWO_EQUATIONS % "MUST { z - x - (REAL c) <= 0; z - x - (REAL c) >= 0; }",
+        TWO_EQUATIONS % "MUST { (REAL b) <= (REAL c); (REAL b) >= (REAL c); }",
+    ],
+)
+def test_a_boolean_that_a_row_reads_is_never_lost(text):
+    model = hys.load(text)
+    pwa = hys.to_pwa(model.mld)
+    for booleans in product((0, 1), repeat=sum(v.is_bool for v in pwa.x)):
+        x = np.array([*(0.3 for v in pwa.x if not v.is_bool), *booleans])
+        compare(model, pwa, x, np.zeros(0))
+
+
+def test_rounding_of_the_auxiliaries_cuts_no_mode_away():
+    """z1 = 3.75 comes with 1.5e-16 x from the elimination of the other five, which is no threshold of x."""
+    model = hys.load(DATA / "rounding.hys")
+    explored, searched = (hys.to_pwa(form, split_booleans=True) for form in (model, model.mld))
+    assert set(by_word(explored)) == set(by_word(searched))
+    assert len(searched.modes) == 8
+    for mode in searched.modes:
+        sizes = np.abs(np.concatenate([mode.region.A.ravel(), mode.dynamics.ravel()]))
+        assert np.all((sizes == 0) | (sizes > 1e-3))
 
 
 LOOP = """SYSTEM s { INTERFACE { STATE { REAL x [-4, 4]; } }

@@ -1,6 +1,8 @@
 """The Pwa: steps, reasons, runs, merging and graphs."""
 
 import re
+from dataclasses import replace
+from itertools import product
 
 import numpy as np
 import pytest
@@ -110,6 +112,69 @@ def test_modes_around_a_corner_do_not_join():
       DA { z = {IF a & b THEN 1 ELSE 0}; } CONTINUOUS { x = z; y = y; } } }"""
     merged = hys.load(text).pwa.merge()
     assert [mode.bits for mode in merged.modes] == ["111", "*00", "010"]
+
+
+SMALL_INPUT = """SYSTEM s { INTERFACE { STATE { REAL x [0, 1]; BOOL b; } INPUT { REAL u [0, 1e-9]; } }
+  IMPLEMENTATION { AUX { BOOL d; } AD { d = x <= 0.5; } CONTINUOUS { x = 2e9*u; } AUTOMATA { b = d; } } }"""
+SMALL_OUTPUT = """SYSTEM s { INTERFACE { STATE { REAL x [0, 1]; } OUTPUT { REAL y; } }
+  IMPLEMENTATION { AUX { BOOL d; REAL z; } AD { d = x <= 0.5; } DA { z = {IF d THEN 5e-10 ELSE 0}; }
+  CONTINUOUS { x = x; } OUTPUT { y = z; } } }"""
+
+
+@pytest.mark.parametrize(("text", "rest"), [(SMALL_INPUT, ([0], [4e-10])), (SMALL_OUTPUT, ([], []))])
+def test_maps_differ_in_their_smallest_row(text, rest):
+    """A Boolean beside a coefficient of 2e9, and an output that is 5e-10 in all."""
+    booleans, u = rest
+    model = hys.load(text)
+    for pwa in (model.pwa, hys.to_pwa(model.mld)):
+        assert len(pwa.dynamics) == 2
+        for x in ([0.2, *booleans], [0.8, *booleans]):
+            for ours, theirs in zip(pwa.merge().step(x, u)[:2], model.dha.step(x, u)[:2], strict=True):
+                np.testing.assert_allclose(ours, theirs, rtol=1e-12)
+
+
+def test_maps_that_differ_by_rounding_alone_are_equal():
+    text = """SYSTEM s { INTERFACE { STATE { REAL x [-1, 1]; } }
+      IMPLEMENTATION { AUX { BOOL d; REAL z; } AD { d = x <= 0; }
+      DA { z = {IF d THEN 0.1*x + 0.2*x ELSE 0.3*x}; } CONTINUOUS { x = z; } } }"""
+    pwa = hys.load(text).pwa
+    assert pwa.modes[0].A[0, 0] != pwa.modes[1].A[0, 0]
+    assert len(pwa.dynamics) == len(pwa.merge().modes) == 1
+
+
+def test_a_variable_without_a_finite_range_is_compared_by_its_coefficient(clutch):
+    first = clutch.modes[0]
+    second = replace(first, index=1, A=first.A + 1e-6 * np.eye(5))
+    endless = tuple(replace(v, low=-np.inf, high=np.inf) for v in clutch.x)
+    assert replace(clutch, x=endless, modes=(first, replace(first, index=1))).dynamics == ((0, 1),)
+    assert replace(clutch, x=endless, modes=(first, second)).dynamics == ((0,), (1,))
+
+
+def test_modes_of_booleans_alone_join():
+    text = """SYSTEM s { INTERFACE { STATE { BOOL b; } INPUT { BOOL v; } }
+      IMPLEMENTATION { AUX { BOOL d; } LOGIC { d = b | v; } AUTOMATA { b = d; } } }"""
+    pwa = hys.load(text).pwa
+    merged = pwa.merge()
+    assert [mode.bits for mode in merged.modes] == ["1*1", "011", "000"]
+    for b, v in product((0, 1), repeat=2):
+        np.testing.assert_array_equal(merged.step([b], [v])[0], [b | v])
+
+
+def test_merged_modes_without_a_tree_step():
+    """Nothing tells which of the joined modes a point was in: that matters for auxiliaries, not for the step."""
+    text = """SYSTEM s { INTERFACE { STATE { BOOL b; } INPUT { BOOL v; } }
+      IMPLEMENTATION { AUX { BOOL d, e; } LOGIC { d = b | v; e = b & v; } AUTOMATA { b = d; } } }"""
+    pwa = hys.to_pwa(hys.load(text).mld)
+    merged = pwa.merge()
+    assert pwa.tree is None
+    assert len(merged.modes) < len(pwa.modes)
+    for b, v in product((0, 1), repeat=2):
+        np.testing.assert_array_equal(merged.step([b], [v])[0], [b | v])
+    assert merged.auxiliaries([0], [0])[0].tolist() == [0, 0]
+    both = [mode.index for mode in merged.modes if merged.owner.count(mode.index) > 1]
+    point = next(w for w in product((0, 1), repeat=2) if merged.locate(w[:1], w[1:]) in both)
+    with pytest.raises(hys.SimulationError, match="before merge"):
+        merged.auxiliaries(point[:1], point[1:])
 
 
 def test_adjacency_is_a_chain_of_thresholds():
