@@ -81,10 +81,10 @@ def verify_forms(
     dha: Dha, mld: Mld, *, points: int = 200, seed: int = 0, margins: Margins | None = None, seconds: float = inf
 ) -> Verification:
     """Compare a Dha with an Mld; see :func:`verify`."""
-    if points < 0 or not seconds > 0:
-        raise ArgumentError(
-            f"points is {points} and seconds {seconds:g}: at least 0 points and some time were expected"
-        )
+    if points < 0:
+        raise ArgumentError(f"points is {points}: a number of at least 0 was expected")
+    if not seconds > 0:
+        raise ArgumentError(f"seconds is {seconds:g}: a time above 0 was expected")
     chosen = Margins() if margins is None else margins
     dha, notes = _over_common_ranges(dha, mld)
     comparison = Comparison(dha, mld, chosen, Clock(seconds))

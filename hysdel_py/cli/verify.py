@@ -9,7 +9,7 @@ from pathlib import Path
 from hysdel_py.analysis.margins import Margins
 from hysdel_py.analysis.report import VerifyStatus
 from hysdel_py.analysis.verify import verify
-from hysdel_py.cli.arguments import add_model, add_output, load_model
+from hysdel_py.cli.arguments import DataError, add_model, add_output, load_model
 from hysdel_py.cli.output import print_json
 from hysdel_py.errors import ArgumentError
 from hysdel_py.export.reading import read_json, read_mat, read_npz
@@ -102,4 +102,8 @@ def _mld(name: str) -> Mld:
     reader = _READERS.get(path.suffix.lower())
     if reader is None:
         raise ArgumentError(f"--mld {name}: a file that ends in {', '.join(_READERS)} was expected")
-    return reader(path)
+    try:
+        return reader(path)
+    except ArgumentError as error:
+        text = str(error)
+        raise DataError(text if name in text else f"{name}: {text}") from None
