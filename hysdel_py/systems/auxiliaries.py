@@ -203,11 +203,8 @@ class AuxiliarySolver:
         yield from points[:1] if same else points
 
     def _judged(self, point: Vector, right: list[float], slack: list[float]) -> Iterator[Vector]:
-        """A point without the slack, or the point itself, or nothing where neither keeps the rows.
-
-        Propagation stops above the rounding of large numbers, so that a point of a narrow box may miss a definition by
-        more than the slack of its rows: only the polished point can be judged by that.
-        """
+        """A point without the slack, or the point itself, or nothing where neither keeps the rows."""
+        # Propagation stops above the rounding of large numbers: a point of a narrow box may miss its definitions.
         polished = self._polished(point, right)
         if self._keeps_rows(polished, right, slack):
             yield polished
