@@ -11,8 +11,9 @@ from dataclasses import dataclass
 from enum import Enum
 from math import isfinite
 
-from hysdel_py.analysis.encoding import Places, Step, encode_step, ranges_by_definition, shared_variables
+from hysdel_py.analysis.encoding import Places, Step, encode_step, shared_variables
 from hysdel_py.analysis.milp import Milp, Source
+from hysdel_py.analysis.room import with_room
 from hysdel_py.systems.dha import AffineRequirement, Dha, Event, LogicRequirement
 from hysdel_py.systems.origin import Origin
 from hysdel_py.systems.signals import Variable
@@ -21,9 +22,6 @@ __all__ = ["Demand", "End", "Horizon", "Member", "MemberKind", "build_horizon"]
 
 Interval = tuple[float, float]
 Key = tuple[object, ...]
-
-ROOM = 2.0
-"""Constants of rows are taken from ranges that reach further by this many widths (of at least 1) on both sides."""
 
 
 class MemberKind(Enum):
@@ -175,7 +173,7 @@ class _Builder:
 
     def __init__(self, dha: Dha, keep_auxiliaries: bool, apart: float) -> None:
         self._dha = dha
-        self._ranges = _with_room(dha)
+        self._ranges = with_room(dha)
         self._problem = Milp()
         self._members: dict[Key, Member] = {}
         self._rows: dict[Key, list[int]] = {}
@@ -293,18 +291,3 @@ def _item_key(origin: Origin) -> Key:
 def _bound(problem: Milp, place: int, interval: Interval) -> None:
     problem.low[place] = max(problem.low[place], interval[0])
     problem.high[place] = min(problem.high[place], interval[1])
-
-
-def _with_room(dha: Dha) -> dict[str, Interval]:
-    """Ranges by definition with room on both sides for reals, so that a range is no silent part of a definition."""
-    reals = {v.name for v in (*dha.x, *dha.u, *dha.z) if not v.is_bool}
-    ranges = ranges_by_definition(dha)
-    return {name: _wider(ends) if name in reals else ends for name, ends in ranges.items()}
-
-
-def _wider(interval: Interval) -> Interval:
-    low, high = interval
-    if not (isfinite(low) and isfinite(high)):
-        return interval
-    room = ROOM * max(1.0, high - low)
-    return low - room, high + room
