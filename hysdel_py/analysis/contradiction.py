@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
 from enum import Enum
 from math import inf
 
@@ -23,6 +23,9 @@ Set = frozenset[int]
 
 _HELD_BACK = 0.4
 """Part of the time that the search for a smaller set must leave for ranges and repairs."""
+
+
+_NOT_CONFIRMED = "the solver has a point that the simulator does not confirm"
 
 
 class Verdict(Enum):
@@ -54,7 +57,8 @@ class Finding:
     violation : float
         Least number by which all requirements, limits and ranges would have to give at once; infinite if unknown.
     borderline : bool
-        Whether that is within a few times the tolerance of the solver.
+        Whether that is within a few times the tolerance of the solver, or the contradiction is one only where events
+        that are false keep away from their thresholds.
     run : Trajectory or None
     message : str
         Why it is not settled.
@@ -82,6 +86,7 @@ def find_contradiction(
     *,
     seconds: float = inf,
     tolerances: SearchTolerances = DEFAULT_SEARCH_TOLERANCES,
+    kept_apart: Callable[[float], Horizon] | None = None,
 ) -> Finding:
     """Find the smallest contradiction of a horizon, or a run.
 
@@ -95,9 +100,23 @@ def find_contradiction(
     seconds : float
         Time limit.
     tolerances : SearchTolerances
+    kept_apart : callable, optional
+        The same horizon with events kept away from their thresholds, as the argument `apart` of
+        :func:`~hysdel_py.analysis.horizon.build_horizon` does it. It is asked for where the simulator does not confirm
+        the point of the solver, which then may stand on the wrong side of a threshold.
     """
-    clock = Clock(seconds)
-    consistency = Consistency(horizon, clock, tolerances)
+    consistency = Consistency(horizon, Clock(seconds), tolerances)
+    finding = _settled(dha, consistency, demands)
+    if kept_apart is None or consistency.clock.is_over or not finding.message.startswith(_NOT_CONFIRMED):
+        return finding
+    apart = Consistency(kept_apart(tolerances.apart), consistency.clock, tolerances)
+    apart.calls = consistency.calls
+    second = _settled(dha, apart, demands)
+    # The first search had a point, which misses what is demanded by no more than the tolerance of the solver.
+    return replace(second, borderline=True, violation=tolerances.rows) if second.members or second.ends else second
+
+
+def _settled(dha: Dha, consistency: Consistency, demands: Sequence[Demand]) -> Finding:
     answer = consistency.search(consistency.members | consistency.ends)
     match answer.status:
         case Status.FOUND:
@@ -123,7 +142,7 @@ def _run(dha: Dha, consistency: Consistency, demands: Sequence[Demand], answer: 
                     calls=consistency.calls,
                     seconds=consistency.clock.elapsed,
                 )
-    return _unsettled(consistency, f"the solver has a point that the simulator does not confirm: {problem}")
+    return _unsettled(consistency, f"{_NOT_CONFIRMED}: {problem}")
 
 
 def _unsettled(consistency: Consistency, message: str) -> Finding:

@@ -11,9 +11,10 @@ from dataclasses import dataclass
 from enum import Enum
 from math import isfinite
 
-from hysdel_py.analysis.encoding import Places, Step, encode_step, ranges_by_definition, shared_variables
+from hysdel_py.analysis.encoding import Places, Step, encode_step, shared_variables
 from hysdel_py.analysis.milp import Milp, Source
-from hysdel_py.systems.dha import AffineRequirement, Dha, LogicRequirement
+from hysdel_py.analysis.room import with_room
+from hysdel_py.systems.dha import AffineRequirement, Dha, Event, LogicRequirement
 from hysdel_py.systems.origin import Origin
 from hysdel_py.systems.signals import Variable
 
@@ -21,9 +22,6 @@ __all__ = ["Demand", "End", "Horizon", "Member", "MemberKind", "build_horizon"]
 
 Interval = tuple[float, float]
 Key = tuple[object, ...]
-
-ROOM = 2.0
-"""Constants of rows are taken from ranges that reach further by this many widths (of at least 1) on both sides."""
 
 
 class MemberKind(Enum):
@@ -134,6 +132,7 @@ def build_horizon(
     demands: Sequence[Demand] = (),
     *,
     keep_auxiliaries: bool = False,
+    apart: float = 0.0,
 ) -> Horizon:
     """Write down N steps.
 
@@ -147,13 +146,15 @@ def build_horizon(
     demands : sequence of Demand
     keep_auxiliaries : bool
         Whether the declared ranges of auxiliaries must hold, as they must in the program of a controller.
+    apart : float
+        How far an event that is false is from its threshold, relative to the size of its rows; at least epsilon.
 
     Raises
     ------
     ArgumentError
         If a variable that needs a finite range has none.
     """
-    builder = _Builder(dha, keep_auxiliaries)
+    builder = _Builder(dha, keep_auxiliaries, apart)
     logical = {v.name for v in dha.x if v.is_bool}
     for name, value in start.items():
         builder.fix(builder.states[0][name], Member(MemberKind.START, 0, name, value, numeric=name not in logical))
@@ -170,14 +171,15 @@ def build_horizon(
 class _Builder:
     """Collects the rows of the steps and who they belong to."""
 
-    def __init__(self, dha: Dha, keep_auxiliaries: bool) -> None:
+    def __init__(self, dha: Dha, keep_auxiliaries: bool, apart: float) -> None:
         self._dha = dha
-        self._ranges = _with_room(dha)
+        self._ranges = with_room(dha)
         self._problem = Milp()
         self._members: dict[Key, Member] = {}
         self._rows: dict[Key, list[int]] = {}
         self._ends: list[End] = []
         self._keep_auxiliaries = keep_auxiliaries
+        self._apart = apart
         self._items = {_item_key(item.origin): item for item in reversed(dha.items)}
         self._steps: list[Step] = []
         self.states: list[Places] = [shared_variables(self._problem, dha.x)]
@@ -189,7 +191,8 @@ class _Builder:
         self.inputs.append(shared_variables(problem, dha.u))
         self._note_ends(dha.u, self.inputs[k], k)
         first = len(problem.rows)
-        step = encode_step(problem, dha, {**self.states[k], **self.inputs[k]}, step=k, ranges=self._ranges)
+        given = {**self.states[k], **self.inputs[k]}
+        step = encode_step(problem, dha, given, step=k, band=self._band, ranges=self._ranges)
         for number in range(first, len(problem.rows)):
             self._claim(number)
         self._steps.append(step)
@@ -198,6 +201,12 @@ class _Builder:
             _bound(problem, step.next[variable.name], (variable.low, variable.high))
         self._note_ends(dha.x, step.next, k + 1)
         self._note_auxiliaries(step, k)
+
+    def _band(self, event: Event) -> float:
+        """Relative to the greatest coefficient of its row, as the tolerance of the solver is."""
+        low, _ = event.form.range(self._ranges.__getitem__)
+        size = max(1.0, abs(low), *(abs(c) for _, c in event.form.terms)) if isfinite(low) else 1.0
+        return max(event.epsilon, self._apart * size)
 
     def _claim(self, number: int) -> None:
         """Give a row of a step to the item that it comes from."""
@@ -282,18 +291,3 @@ def _item_key(origin: Origin) -> Key:
 def _bound(problem: Milp, place: int, interval: Interval) -> None:
     problem.low[place] = max(problem.low[place], interval[0])
     problem.high[place] = min(problem.high[place], interval[1])
-
-
-def _with_room(dha: Dha) -> dict[str, Interval]:
-    """Ranges by definition with room on both sides for reals, so that a range is no silent part of a definition."""
-    reals = {v.name for v in (*dha.x, *dha.u, *dha.z) if not v.is_bool}
-    ranges = ranges_by_definition(dha)
-    return {name: _wider(ends) if name in reals else ends for name, ends in ranges.items()}
-
-
-def _wider(interval: Interval) -> Interval:
-    low, high = interval
-    if not (isfinite(low) and isfinite(high)):
-        return interval
-    room = ROOM * max(1.0, high - low)
-    return low - room, high + room

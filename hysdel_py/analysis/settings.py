@@ -22,12 +22,16 @@ class SearchTolerances:
         ends and at least absolute, is within a few times the tolerance of the solver.
     margin : float
         Distance that a point is moved away from its inequalities, at most, before it is simulated.
+    apart : float
+        Distance of an event from its threshold on the false side, relative to the size of its rows, in the second
+        search where the simulator does not confirm the point of the first; some times `rows`.
     """
 
     rows: float = 1e-6
     duals: float = 1e-7
     borderline: float = 1e-5
     margin: float = 1e-3
+    apart: float = 1e-5
 
 
 DEFAULT_SEARCH_TOLERANCES = SearchTolerances()

@@ -120,10 +120,10 @@ def _chosen(forms: Sequence[str] | None, mld: Mld | None, pwa: Pwa | None) -> tu
 
 
 def _require_limits(points: int, seconds: float) -> None:
-    if points < 0 or not seconds > 0:
-        raise ArgumentError(
-            f"points is {points} and seconds {seconds:g}: at least 0 points and some time were expected"
-        )
+    if points < 0:
+        raise ArgumentError(f"points is {points}: a number of at least 0 was expected")
+    if not seconds > 0:
+        raise ArgumentError(f"seconds is {seconds:g}: a time above 0 was expected")
 
 
 @dataclass(frozen=True, eq=False, slots=True)

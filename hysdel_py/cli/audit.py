@@ -9,6 +9,7 @@ from typing import Any
 from hysdel_py.cli.arguments import add_model, add_output, load_model
 from hysdel_py.cli.output import print_json
 from hysdel_py.diagnostics.render import render
+from hysdel_py.errors import ArgumentError
 from hysdel_py.lowering.audit import Audit, AuditRow
 from hysdel_py.model import audit
 
@@ -46,12 +47,14 @@ def add_parser(commands: argparse._SubParsersAction[argparse.ArgumentParser]) ->
 
 def run(options: argparse.Namespace) -> int:
     """Run the command."""
+    if options.rows < 0:
+        raise ArgumentError(f"--rows {options.rows}: a number of at least 0 was expected")
     model = load_model(options)
     report = audit(model)
     if options.json:
         print_json(_data(report))
         return 0
-    print("\n".join(_lines(report, max(0, options.rows))))
+    print("\n".join(_lines(report, options.rows)))
     for found in report.decided:
         print("\n" + render(found, model.typed.source), end="")
     return 0

@@ -3,13 +3,15 @@
 from __future__ import annotations
 
 import argparse
+from collections.abc import Callable
 from math import inf
 from pathlib import Path
+from typing import TypeVar
 
 from hysdel_py.analysis.margins import Margins
 from hysdel_py.analysis.report import VerifyStatus
 from hysdel_py.analysis.verify import verify
-from hysdel_py.cli.arguments import add_model, add_output, load_model
+from hysdel_py.cli.arguments import DataError, add_model, add_output, load_model
 from hysdel_py.cli.output import print_json
 from hysdel_py.errors import ArgumentError
 from hysdel_py.export.pwa_data import read_pwa_json
@@ -18,6 +20,8 @@ from hysdel_py.systems.mld import Mld
 from hysdel_py.systems.pwa import Pwa
 
 __all__ = ["NOT_SETTLED", "add_margins", "add_parser", "margins_of", "seconds_of"]
+
+T = TypeVar("T")
 
 NOT_SETTLED = 4
 """Exit status where neither equality nor a difference was shown."""
@@ -107,14 +111,22 @@ def run(options: argparse.Namespace) -> int:
 
 
 def _mld(name: str) -> Mld:
-    path = Path(name)
-    reader = _READERS.get(path.suffix.lower())
+    reader = _READERS.get(Path(name).suffix.lower())
     if reader is None:
         raise ArgumentError(f"--mld {name}: a file that ends in {', '.join(_READERS)} was expected")
-    return reader(path)
+    return _read(reader, name)
 
 
 def _pwa(name: str) -> Pwa:
     if Path(name).suffix.lower() != ".json":
         raise ArgumentError(f"--pwa {name}: a file that ends in .json was expected")
-    return read_pwa_json(name)
+    return _read(read_pwa_json, name)
+
+
+def _read(reader: Callable[[str], T], name: str) -> T:
+    """Read a file; a fault of its contents is one of the data, not of the usage."""
+    try:
+        return reader(name)
+    except ArgumentError as error:
+        text = str(error)
+        raise DataError(text if name in text else f"{name}: {text}") from None

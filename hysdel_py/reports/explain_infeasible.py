@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from functools import partial
 from operator import index
 from typing import Any
 
@@ -11,7 +12,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from hysdel_py.analysis.contradiction import Finding, find_contradiction
-from hysdel_py.analysis.horizon import Demand, build_horizon
+from hysdel_py.analysis.horizon import Demand, Horizon, build_horizon
 from hysdel_py.control.bands import Band, ResolvedLimits
 from hysdel_py.control.hybrid_mpc import HybridMpc
 from hysdel_py.control.influence import influenced_outputs
@@ -99,16 +100,21 @@ def explain_infeasible(
     _check_size(dha, question.horizon)
     if not seconds > 0:
         raise ArgumentError(f"seconds is {seconds!r}: a positive number was expected")
-    problem = build_horizon(
-        dha,
+    build = partial(_horizon, question)
+    finding: Finding = find_contradiction(dha, build(0.0), question.demands, seconds=seconds, kept_apart=build)
+    return Explanation(question.model, question.horizon, question.demands, finding)
+
+
+def _horizon(question: _Question, apart: float) -> Horizon:
+    return build_horizon(
+        question.model.dha,
         question.horizon,
         question.start,
         question.inputs,
         question.demands,
         keep_auxiliaries=question.keep_auxiliaries,
+        apart=apart,
     )
-    finding: Finding = find_contradiction(dha, problem, question.demands, seconds=seconds)
-    return Explanation(question.model, question.horizon, question.demands, finding)
 
 
 def _check_size(dha: Dha, horizon: int) -> None:

@@ -48,8 +48,10 @@ class AuxiliarySolver:
 
         self._mld = mld
         self._matrix = hstack([mld.E2, mld.E3], format="csr")
+        self._sizes = abs(self._matrix)
         self._tolerances = mld.tolerances
         self._unique = mld.tolerances.unique
+        self._rounding = mld.tolerances.rounding
         pointers = self._matrix.indptr
         self._rows = [
             list(zip(self._matrix.indices[a:b].tolist(), self._matrix.data[a:b].tolist(), strict=True))
@@ -134,7 +136,7 @@ class AuxiliarySolver:
 
     def _narrow(self, row: list[tuple[int, float]], right: float, box: _Box) -> list[int] | None:
         """Narrow by one row ``sum a w <= right``; the columns that changed, or None if the row cannot hold."""
-        least, infinite = 0.0, -1
+        least, infinite, size = 0.0, -1, 0.0
         for column, a in row:
             end = box.low[column] if a > 0 else box.high[column]
             if abs(end) == np.inf:
@@ -143,7 +145,8 @@ class AuxiliarySolver:
                 infinite = column
             else:
                 least += a * end
-        if infinite < 0 and least > right:
+                size += abs(a * end)
+        if infinite < 0 and least > right + self._rounding * size:
             return None
         changed = []
         for column, a in row:
@@ -185,13 +188,34 @@ class AuxiliarySolver:
         width = self._unique * (1.0 + np.minimum(abs(low), abs(high))) + 2.0 * sum(slack)
         open_columns = [i for i in range(nd, len(low)) if np.isinf(width[i]) or high[i] - low[i] > width[i]]
         if not open_columns:
-            point = (low + high) / 2.0
-            if (self._matrix @ point <= np.array(right) + 4.0 * np.array(slack)).all():
-                yield self._polished(point, right, slack)
+            yield from self._judged((low + high) / 2.0, right, slack)
             return
-        yield from self._extreme_points(open_columns, low, high, np.array(right))
+        found = list(self._extreme_points(open_columns, low, high, np.array(right)))
+        # A linear program may fail for the size of its numbers alone: what the definitions say decides then.
+        yield from found or self._defined_points(low, high, right, slack)
 
-    def _polished(self, point: Vector, right: list[float], slack: list[float]) -> Vector:
+    def _defined_points(self, low: Vector, high: Vector, right: list[float], slack: list[float]) -> Iterator[Vector]:
+        """The points to which the definitions lead from both ends of a finite box: one where they agree."""
+        if not (np.isfinite(low) & np.isfinite(high)).all():
+            return
+        points = [point for end in (low, high) for point in self._judged(end, right, slack)]
+        same = np.allclose(points[0], points[-1], rtol=self._unique, atol=self._unique) if points else True
+        yield from points[:1] if same else points
+
+    def _judged(self, point: Vector, right: list[float], slack: list[float]) -> Iterator[Vector]:
+        """A point without the slack, or the point itself, or nothing where neither keeps the rows."""
+        # Propagation stops above the rounding of large numbers: a point of a narrow box may miss its definitions.
+        polished = self._polished(point, right)
+        if self._keeps_rows(polished, right, slack):
+            yield polished
+        elif self._keeps_rows(point, right, [4.0 * one for one in slack]):
+            yield point
+
+    def _keeps_rows(self, point: Vector, right: list[float], slack: list[float]) -> bool:
+        rounding = self._rounding * (self._sizes @ abs(point))
+        return bool((self._matrix @ point <= np.array(right) + np.array(slack) + rounding).all())
+
+    def _polished(self, point: Vector, right: list[float]) -> Vector:
         """Take the slack out again: each real auxiliary to what the rows of its definition say at the other values."""
         polished = point.copy()
         for _ in range(self._mld.nz):  # as many sweeps as a chain of definitions may be long
@@ -202,7 +226,7 @@ class AuxiliarySolver:
                     polished[column] = (low + high) / 2.0
             if (polished == before).all():
                 break
-        return polished if (self._matrix @ polished <= np.array(right) + np.array(slack)).all() else point
+        return polished
 
     def _limits(self, column: int, point: Vector, right: list[float]) -> tuple[float, float]:
         """Range of a column by the rows of its own definition; rows that only read it would push it elsewhere."""

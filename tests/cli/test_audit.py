@@ -40,3 +40,10 @@ def test_a_mistake_is_reported(hysdel, tmp_path):
         "SYSTEM s { INTERFACE { } IMPLEMENTATION { LOGIC { a = b; } } }", encoding="utf-8"
     )
     assert hysdel("audit", tmp_path / "wrong.hys").status == 1
+
+
+def test_a_negative_count_is_refused(hysdel):
+    shown = hysdel("audit", "two_tanks", "--rows", "-1")
+    assert shown.status == 2
+    assert "--rows -1: a number of at least 0 was expected" in shown.err
+    assert hysdel("audit", "two_tanks", "--rows", "0").status == 0

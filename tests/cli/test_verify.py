@@ -67,13 +67,30 @@ def test_modes_from_a_file(hysdel):
         (("--mld", "form.txt"), "a file that ends in .json"),
         (("--seconds", "0"), "a time above 0"),
         (("--band", "2"), "band is 2"),
-        (("--points", "-1"), "points is -1"),
+        (("--points", "-1"), "points is -1: a number of at least 0"),
     ],
 )
 def test_wrong_usage(hysdel, arguments, words):
     shown = hysdel("verify", "tank.hys", *arguments)
     assert shown.status == 2
     assert words in shown.err
+    assert not ("--points" in arguments and "seconds" in shown.err)
+
+
+@pytest.mark.parametrize("content", ["{}", "[]", "not JSON", '{"schema": "hysdel-mld 0"}'])
+def test_a_file_that_holds_no_form(hysdel, tmp_path, content):
+    (tmp_path / "bad.json").write_text(content, encoding="utf-8")
+    shown = hysdel("verify", "tank.hys", "--mld", "bad.json")
+    assert shown.status == 1
+    assert shown.err.count("bad.json") == 1
+
+
+def test_a_file_that_holds_no_arrays(hysdel, tmp_path):
+    for name in ("bad.npz", "bad.mat"):
+        (tmp_path / name).write_bytes(b"nothing of the kind")
+        shown = hysdel("verify", "tank.hys", "--mld", name)
+        assert shown.status == 1
+        assert name in shown.err
 
 
 def test_diff(hysdel, tmp_path):

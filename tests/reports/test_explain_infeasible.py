@@ -100,6 +100,18 @@ def test_a_missing_range_is_an_argument_error():
         hys.explain_infeasible(model, [1.0, 0], 2)
 
 
+def test_a_strict_requirement_on_the_end_of_a_range():
+    model = hys.load(
+        "SYSTEM m { INTERFACE { INPUT { REAL u [-1,1]; } STATE { BOOL b; } }"
+        " IMPLEMENTATION { AUTOMATA { b = b; } MUST { u > 1; } } }"
+    )
+    explanation = hys.explain_infeasible(model, [0], 1)
+    assert explanation.verdict == "smallest"
+    assert explanation.finding.borderline
+    assert [(part.kind, part.text) for part in explanation.parts] == [("MUST", "u > 1"), ("range", "u <= 1")]
+    assert "borderline: it would be enough if each gave by 1e-06" in str(explanation)
+
+
 def test_small_words():
     assert steps_text([3, 4, 5, 9, 0]) == "k = 0, 3..5, 9"
     assert comparison((("a", -1.0), ("b", -2.0)), float("-inf"), -3.0) == "a + 2*b >= 3"
