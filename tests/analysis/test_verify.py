@@ -231,7 +231,7 @@ def test_other_variables_are_refused(model):
 
 @pytest.mark.parametrize("options", [{"points": -1}, {"seconds": 0}])
 def test_wrong_arguments(model, options):
-    with pytest.raises(hys.ArgumentError, match="were expected"):
+    with pytest.raises(hys.ArgumentError, match="was expected"):
         hys.verify(model, **options)
     with pytest.raises(hys.ArgumentError, match="band is 0"):
         hys.Margins(band=0.0)
