@@ -105,7 +105,7 @@ def maximise(
     """
     lp = Lp(np.asarray(c, dtype=float), A, *(np.asarray(side, dtype=float) for side in (b, lb, ub)))
     if np.any(lp.lb > lp.ub):
-        return _nothing(lp, LpStatus.INFEASIBLE, -np.inf)
+        return _nothing(lp, LpStatus.INFEASIBLE)
     if not len(lp.c):
         return _without_variables(lp)
     answer = _with_piqp(lp, precision) if not vertex and A.shape[0] * A.shape[1] <= DENSE_UP_TO else None
@@ -233,7 +233,7 @@ def _with_highs(lp: Lp) -> LpResult:
     answer = linprog(-lp.c, *rows, bounds=np.column_stack([lp.lb, lp.ub]), method="highs", options=options)
     status = _HIGHS.get(answer.status, LpStatus.UNKNOWN)
     if status is not LpStatus.OPTIMAL:
-        return _nothing(lp, status, {LpStatus.INFEASIBLE: -np.inf, LpStatus.UNBOUNDED: np.inf}.get(status, np.nan))
+        return _nothing(lp, status)
     y = np.zeros(len(lp.b))
     if real.any():
         y[real] = np.maximum(-answer.ineqlin.marginals, 0.0)
@@ -248,9 +248,10 @@ _HIGHS = {0: LpStatus.OPTIMAL, 2: LpStatus.INFEASIBLE, 3: LpStatus.UNBOUNDED}
 def _without_variables(lp: Lp) -> LpResult:
     if np.all(lp.b >= 0):
         return LpResult(LpStatus.OPTIMAL, lp.c, 0.0, 0.0, np.zeros(len(lp.b)))
-    return _nothing(lp, LpStatus.INFEASIBLE, -np.inf)
+    return _nothing(lp, LpStatus.INFEASIBLE)
 
 
-def _nothing(lp: Lp, status: LpStatus, value: float) -> LpResult:
+def _nothing(lp: Lp, status: LpStatus) -> LpResult:
+    value = {LpStatus.INFEASIBLE: -np.inf, LpStatus.UNBOUNDED: np.inf}.get(status, np.nan)
     bound = -np.inf if status is LpStatus.INFEASIBLE else np.inf
     return LpResult(status, np.full(len(lp.c), np.nan), value, bound, np.zeros(len(lp.b)))

@@ -17,6 +17,7 @@ from hysdel_py.optimize.backends.answer import checked_result, failed_result
 from hysdel_py.optimize.compiled import kernels_are_compiled
 from hysdel_py.optimize.mixed_integer import KERNELS, Miqp
 from hysdel_py.optimize.qp import Qp, QpResult, QpSettings, QpStatus
+from hysdel_py.optimize.reduction import parallel_groups
 
 __all__ = ["Active", "DenseSettings", "DenseSolver", "dense_solver"]
 
@@ -25,8 +26,6 @@ Indices = NDArray[np.int64]
 Active = NDArray[np.int64]
 
 SEED = 1983
-PARALLEL = 1e-11
-"""Ratios of products that differ by less than this, relative to their size, come from parallel rows."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -159,22 +158,13 @@ def _parallel_rows(rows: Any, integer: NDArray[np.bool_]) -> tuple[Indices, Indi
     Parallel rows are found by their products with random vectors, whose ratios do not depend on the scale of a row.
     """
     random = np.random.default_rng(SEED).uniform(1.0, 2.0, (rows.shape[1], 3)) * ~integer[:, None]
-    products = rows @ random
-    has_part = (abs(rows) @ (~integer).astype(float)) > 0
-    members: list[list[int]] = []
-    ordered = [int(r) for r in np.flatnonzero(has_part)]
-    ratios = products[:, 1:] / np.where(products[:, :1] == 0, 1.0, products[:, :1])
-    seen: dict[tuple[float, ...], int] = {}
-    for row in ordered:
-        key = tuple(np.round(ratios[row], 9) + 0.0)
-        if key in seen and np.all(
-            np.abs(ratios[row] - ratios[members[seen[key]][0]]) <= PARALLEL * (1 + np.abs(ratios[row]))
-        ):
-            members[seen[key]].append(row)
-        else:
-            seen[key] = len(members)
-            members.append([row])
-    start = np.concatenate([[0], np.cumsum([len(group) for group in members])]).astype(np.int64)
-    flat = np.array([row for group in members for row in group], dtype=np.int64)
-    scale = np.array([products[row, 0] / products[group[0], 0] for group in members for row in group], dtype=float)
-    return start, flat, scale
+    with_part = np.flatnonzero((abs(rows) @ (~integer).astype(float)) > 0)
+    products = (rows @ random)[with_part]
+    group, one = parallel_groups(products) if len(with_part) else (with_part, with_part)
+    lowest = np.full(len(one), len(with_part))
+    np.minimum.at(lowest, group, np.arange(len(with_part)))
+    members = np.lexsort((np.arange(len(with_part)), lowest[group]))  # groups by their first rows
+    count = np.bincount(group, minlength=len(one))[group[np.sort(lowest)]] if len(one) else group
+    start = np.concatenate([[0], np.cumsum(count)]).astype(np.int64)
+    scale = products[members, 0] / products[lowest[group[members]], 0]
+    return start, with_part[members].astype(np.int64), scale

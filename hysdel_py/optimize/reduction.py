@@ -20,7 +20,7 @@ from numpy.typing import NDArray
 
 from hysdel_py.optimize.qp import Qp
 
-__all__ = ["Reducer", "Reduction"]
+__all__ = ["Reducer", "Reduction", "parallel_groups"]
 
 Vector = NDArray[np.float64]
 Indices = NDArray[np.intp]
@@ -129,7 +129,7 @@ class _Merged:
 
 
 def _merge(rows: Indices, products: Vector, low: Vector, high: Vector) -> _Merged:
-    group, first = _groups(products)
+    group, first = parallel_groups(products)
     representative = first[group]
     scale = products[:, 0] / products[representative, 0]
     with np.errstate(invalid="ignore"):
@@ -143,8 +143,8 @@ def _merge(rows: Indices, products: Vector, low: Vector, high: Vector) -> _Merge
     return _Merged(rows[first], low, high, rows[upper], rows[lower], scale[upper], scale[lower])
 
 
-def _groups(products: Vector) -> tuple[Indices, Indices]:
-    """Group number of each row, and the first row of each group."""
+def parallel_groups(products: Vector) -> tuple[Indices, Indices]:
+    """Group number of each row from its products with three random vectors, and one row of each group."""
     keys = products[:, 1:] / products[:, :1]
     order = np.lexsort((keys[:, 1], keys[:, 0]))
     ordered = keys[order]
