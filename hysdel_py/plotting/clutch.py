@@ -40,7 +40,7 @@ def plot_engagement(trajectory: Trajectory, floor: float, reference: float, lock
             panel.axvline(lockup_time, color=MUTED, linewidth=0.8, linestyle=":")
         axes[0].annotate(
             f"locked, {lockup_time:.2f} s", (lockup_time, 1.0), xycoords=("data", "axes fraction"), fontsize="small",
-            xytext=(3, -10), textcoords="offset points", color=MUTED,
+            xytext=(-3, -10), textcoords="offset points", ha="right", color=MUTED,
         )  # fmt: skip
     axes[-1].set_xlabel("time [s]")
     return figure
