@@ -25,6 +25,9 @@ if TYPE_CHECKING:
     from hysdel_py.control.observer import KalmanObserver
     from hysdel_py.errors import ArgumentError, CompileError, HysdelError, SimulationError
     from hysdel_py.export.json_file import read_json
+    from hysdel_py.geometry.polyhedron import Polyhedron
+    from hysdel_py.geometry.relations import minkowski_sum, pontryagin_difference
+    from hysdel_py.geometry.union import PolyhedralUnion
     from hysdel_py.model import Model, audit, load, to_dha, to_mld, to_pwa, to_symbolic_mld
     from hysdel_py.optimize.case_file import CaseFile, read_case
     from hysdel_py.optimize.mpqp import MpQp, MpQpSettings, ParametricSolution, solve_mpqp
@@ -41,9 +44,10 @@ if TYPE_CHECKING:
 __all__ = [
     "ArgumentError", "CaseFile", "CompileError", "Cost", "Dha", "Difference", "Estimate", "Explanation",
     "ExplicitLaw", "HybridMpc", "HysdelError", "KalmanObserver", "Limits", "Margins", "Mld", "Model", "Move",
-    "MoveStatus", "MovingHorizonEstimator", "MpQp", "MpQpSettings", "NodeLog", "ParametricSolution", "Pwa",
-    "SimulationError", "Trajectory", "Verification", "WellPosedness", "__version__", "audit", "closed_loop", "diff",
-    "explain_infeasible", "load", "read_case", "read_json", "shipped_models", "simulate", "solve_mpqp", "to_dha",
+    "MoveStatus", "MovingHorizonEstimator", "MpQp", "MpQpSettings", "NodeLog", "ParametricSolution",
+    "PolyhedralUnion", "Polyhedron", "Pwa", "SimulationError", "Trajectory", "Verification", "WellPosedness",
+    "__version__", "audit", "closed_loop", "diff", "explain_infeasible", "load", "minkowski_sum",
+    "pontryagin_difference", "read_case", "read_json", "shipped_models", "simulate", "solve_mpqp", "to_dha",
     "to_mld", "to_pwa", "to_symbolic_mld", "verify", "well_posed", "with_disturbances",
 ]  # fmt: skip
 
@@ -71,6 +75,8 @@ _HOME = {
     "MpQpSettings": "optimize.mpqp",
     "NodeLog": "optimize.node_log",
     "ParametricSolution": "optimize.mpqp",
+    "PolyhedralUnion": "geometry.union",
+    "Polyhedron": "geometry.polyhedron",
     "Pwa": "systems.pwa",
     "SimulationError": "errors",
     "Trajectory": "systems.trajectory",
@@ -81,6 +87,8 @@ _HOME = {
     "diff": "analysis.diff",
     "explain_infeasible": "reports.explain_infeasible",
     "load": "model",
+    "minkowski_sum": "geometry.relations",
+    "pontryagin_difference": "geometry.relations",
     "read_case": "optimize.case_file",
     "read_json": "export.json_file",
     "shipped_models": "shipped",
