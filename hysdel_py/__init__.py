@@ -25,6 +25,7 @@ if TYPE_CHECKING:
     from hysdel_py.control.observer import KalmanObserver
     from hysdel_py.errors import ArgumentError, CompileError, HysdelError, SimulationError
     from hysdel_py.export.json_file import read_json
+    from hysdel_py.export.plant_c import to_c
     from hysdel_py.model import Model, audit, load, to_dha, to_mld, to_pwa, to_symbolic_mld
     from hysdel_py.optimize.case_file import CaseFile, read_case
     from hysdel_py.optimize.mpqp import MpQp, MpQpSettings, ParametricSolution, solve_mpqp
@@ -43,8 +44,8 @@ __all__ = [
     "ExplicitLaw", "HybridMpc", "HysdelError", "KalmanObserver", "Limits", "Margins", "Mld", "Model", "Move",
     "MoveStatus", "MovingHorizonEstimator", "MpQp", "MpQpSettings", "NodeLog", "ParametricSolution", "Pwa",
     "SimulationError", "Trajectory", "Verification", "WellPosedness", "__version__", "audit", "closed_loop", "diff",
-    "explain_infeasible", "load", "read_case", "read_json", "shipped_models", "simulate", "solve_mpqp", "to_dha",
-    "to_mld", "to_pwa", "to_symbolic_mld", "verify", "well_posed", "with_disturbances",
+    "explain_infeasible", "load", "read_case", "read_json", "shipped_models", "simulate", "solve_mpqp", "to_c",
+    "to_dha",    "to_mld", "to_pwa", "to_symbolic_mld", "verify", "well_posed", "with_disturbances",
 ]  # fmt: skip
 
 _HOME = {
@@ -86,6 +87,7 @@ _HOME = {
     "shipped_models": "shipped",
     "simulate": "systems.simulation",
     "solve_mpqp": "optimize.mpqp",
+    "to_c": "export.plant_c",
     "to_dha": "model",
     "to_mld": "model",
     "to_pwa": "model",

@@ -4,13 +4,25 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterable, Iterator, Sequence
+from os import PathLike
 from pathlib import Path
 
 import numpy as np
 
 from hysdel_py.errors import ArgumentError
 
-__all__ = ["array", "check_prefix", "comment", "float_text", "guard", "index_type", "number_text", "prefix_of"]
+__all__ = [
+    "array",
+    "check_prefix",
+    "comment",
+    "float_text",
+    "guard",
+    "index_type",
+    "number_text",
+    "plain",
+    "prefix_of",
+    "source_path",
+]
 
 _WIDTH = 100
 _NAME = re.compile(r"[A-Za-z][A-Za-z0-9_]*")
@@ -24,7 +36,21 @@ _KEYWORDS = frozenset({
 def prefix_of(path: Path) -> str:
     """Prefix of all names from the name of a file."""
     stem = re.sub(r"\W", "_", path.stem, flags=re.ASCII)
-    return stem if _NAME.fullmatch(stem) and stem not in _KEYWORDS else f"law_{stem}"
+    return stem if _NAME.fullmatch(stem) and stem not in _KEYWORDS else f"c_{stem}"
+
+
+def source_path(path: str | PathLike[str]) -> Path:
+    """Path of a source.
+
+    Raises
+    ------
+    ArgumentError
+        It does not end in .c.
+    """
+    source = Path(path)
+    if source.suffix != ".c":
+        raise ArgumentError(f"{source}: a name that ends in .c was expected")
+    return source
 
 
 def check_prefix(prefix: str) -> str:
@@ -47,8 +73,12 @@ def guard(prefix: str) -> str:
 
 def comment(lines: Iterable[str]) -> list[str]:
     """Lines as a comment; what would end it or join lines is spelled differently."""
-    safe = [line.replace("*/", "* /").replace("/*", "/ *").replace("\\", "/").rstrip() for line in lines]
-    return ["/*", *(f" * {line}".rstrip() for line in safe), " */"]
+    return ["/*", *(f" * {plain(line)}".rstrip() for line in lines), " */"]
+
+
+def plain(text: str) -> str:
+    """A text that may stand in a comment."""
+    return " ".join(text.replace("*/", "* /").replace("/*", "/ *").replace("\\", "/").splitlines())
 
 
 def float_text(value: float) -> str:

@@ -13,7 +13,7 @@ from pathlib import Path
 
 from hysdel_py.control.explicit_law import ExplicitLaw
 from hysdel_py.errors import ArgumentError
-from hysdel_py.export.c_text import check_prefix, comment, float_text, guard, prefix_of
+from hysdel_py.export.c_text import check_prefix, comment, float_text, guard, prefix_of, source_path
 from hysdel_py.export.law_c_code import evaluation, prototype
 from hysdel_py.export.law_c_tables import c_tables
 from hysdel_py.export.law_c_test import self_test
@@ -113,7 +113,7 @@ def law_to_c(
     ArgumentError
         An option is not one of these, the law has no regions, or its domain is unbounded.
     """
-    source = _source_path(path)
+    source = source_path(path)
     header = source.with_suffix(".h")
     name = check_prefix(prefix) if prefix is not None else prefix_of(source)
     names = _labels(law.names, units, law.p, "units")
@@ -129,13 +129,6 @@ def law_to_c(
         (source, header), name, table.scaling.number.value, table.method.value, tables.bytes, law.count,
         len(table.maps), len(table.planes), len(table.tests), table.depth, len(table.leaves), len(replay.zeta),
     )  # fmt: skip
-
-
-def _source_path(path: str | PathLike[str]) -> Path:
-    source = Path(path)
-    if source.suffix != ".c":
-        raise ArgumentError(f"{source}: a name that ends in .c was expected")
-    return source
 
 
 def _labels(
