@@ -84,13 +84,16 @@ def to_c(
     ArgumentError
         The same in a Dha without a text; a wrong path or prefix.
     """
-    return write_plant(model if isinstance(model, Dha) else model.dha, path, _typed(model), prefix, points, seed)
+    return write_plant(
+        model if isinstance(model, Dha) else model.dha, path, _typed(model), prefix=prefix, points=points, seed=seed
+    )
 
 
 def write_plant(
     dha: Dha,
     path: str | PathLike[str],
     typed: TypedModel | None = None,
+    *,
     prefix: str | None = None,
     points: int = 50,
     seed: int = 0,
