@@ -16,6 +16,8 @@ from hysdel_py.errors import ArgumentError
 from hysdel_py.geometry.polyhedron import Polyhedron
 
 if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
     from hysdel_py.control.explicit_certificate import LawCertificate
     from hysdel_py.control.explicit_tree import LawTree
     from hysdel_py.export.law_c import LawCode
@@ -263,6 +265,12 @@ class ExplicitLaw:
 
         return law_to_latex(self, path, **options)
 
+    def plot(self, what: str = "partition", **options: Any) -> Figure:
+        """Draw the law over one or two parameters; options as for :func:`plot_law`."""
+        from hysdel_py.plotting.law import plot_law
+
+        return plot_law(self, what, **options)
+
     def describe(self) -> str:
         """The law as text: sizes, then rows and moves of each region."""
         from hysdel_py.control.explicit_text import describe_law
@@ -271,15 +279,8 @@ class ExplicitLaw:
 
     def without_value(self) -> ExplicitLaw:
         """The same law with its moves only."""
-        p = self.p
-        return replace(
-            self,
-            K=self.K[:, : self.moves].copy(),
-            k=self.k[:, : self.moves].copy(),
-            P=np.zeros((0, p, p)),
-            q=np.zeros((0, p)),
-            r=np.zeros(0),
-        )
+        p, K, k = self.p, self.K[:, : self.moves].copy(), self.k[:, : self.moves].copy()
+        return replace(self, K=K, k=k, P=np.zeros((0, p, p)), q=np.zeros((0, p)), r=np.zeros(0))
 
     def _holds(self, region: int, point: Vector) -> bool:
         A, b = self.rows(region)

@@ -84,9 +84,8 @@ def to_c(
     ArgumentError
         The same in a Dha without a text; a wrong path or prefix.
     """
-    return write_plant(
-        model if isinstance(model, Dha) else model.dha, path, _typed(model), prefix=prefix, points=points, seed=seed
-    )
+    dha, typed = (model, None) if isinstance(model, Dha) else (model.dha, model.typed)
+    return write_plant(dha, path, typed, prefix=prefix, points=points, seed=seed)
 
 
 def write_plant(
@@ -110,10 +109,6 @@ def write_plant(
     _write(header, _header(dha, name))
     _write(source, code)
     return PlantCode((source, header), name, len(replay))
-
-
-def _typed(model: Model | Dha) -> TypedModel | None:
-    return None if isinstance(model, Dha) else model.typed
 
 
 def _refuse(dha: Dha, typed: TypedModel | None) -> None:
