@@ -25,6 +25,9 @@ Array = NDArray[np.float64]
 _MOST_NAMED = 12
 """Entries of a legend; the largest pieces are named."""
 
+_SEEN = 0.002
+"""Kinds that cover a smaller share are not named."""
+
 _LABELLED = 0.04
 """A region bears its number if it is so wide, as a share of the axes."""
 
@@ -79,6 +82,8 @@ def plot_law(
         raise ArgumentError("the section meets no region: other values were expected")
     title = ", ".join(f"{law.names[j]} = {v:.4g}" for j, v in _fixed(law, section or {}))
     shown = _Shown([labels[j] for j in free], f"at {title}" if title else "", move_label or "move")
+    if trace is not None and (cut.p == 1 or what != "partition"):
+        raise ArgumentError("a trace is drawn over a partition of two parameters: leave it out, or fix fewer of them")
     path = None if trace is None else _path(law, trace)[:, free]
     if cut.p == 1:
         from hysdel_py.plotting.law_lines import plot_lines
@@ -173,15 +178,16 @@ def _name(axes: Axes, pieces: Sequence[Piece], by: str, move: str) -> None:
     for piece in pieces:
         areas[piece.kind] = areas.get(piece.kind, 0.0) + piece.area
     largest = sorted(areas, key=lambda kind: (-areas[kind], kind))
+    named = [kind for kind in largest if areas[kind] > _SEEN * sum(areas.values())][:_MOST_NAMED]
     first = {piece.kind: piece for piece in reversed(pieces)}
     handles, labels = axes.get_legend_handles_labels()
     if by == "law":
-        for kind in largest[:_MOST_NAMED]:
+        for kind in named:
             handles.append(Patch(facecolor=first[kind].colour))
             labels.append(first[kind].text)
-        if len(largest) > _MOST_NAMED:
+        if len(largest) > len(named):
             handles.append(Patch(facecolor="none"))
-            labels.append(f"and {len(largest) - _MOST_NAMED} more laws")
+            labels.append(f"and {len(largest) - len(named)} more on small regions")
     if handles:
         legend = axes.legend(handles, labels, title=move if by == "law" else "", loc="center left",
                              bbox_to_anchor=(1.01, 0.5), frameon=False, fontsize="small")  # fmt: skip

@@ -93,8 +93,16 @@ def law_text(law: ExplicitLaw, region: int) -> str:
 def _sum(law: ExplicitLaw, region: int, move: int) -> str:
     gains, constant = law.K[region, move], float(law.k[region, move])
     greatest = max(float(np.abs(law.K[:, move]).max(initial=0.0)), 1e-300)
-    terms = [f"{gain:+.3g} {name}" for gain, name in zip(gains.tolist(), law.names, strict=True)
-             if abs(gain) > _CONSTANT * greatest]  # fmt: skip
+    terms = [
+        _term(gain, f"{abs(gain):.3g} {name}")
+        for gain, name in zip(gains.tolist(), law.names, strict=True)
+        if abs(gain) > _CONSTANT * greatest
+    ]
     if abs(constant) > _CONSTANT * max(1.0, float(np.abs(law.k[:, move]).max())) or not terms:
-        terms.append(f"{constant + 0.0:+.4g}" if terms else f"{constant + 0.0:.4g}")
-    return " ".join(terms).removeprefix("+").replace("-", "−")
+        terms.append(_term(constant, f"{abs(constant):.4g}"))
+    text = " ".join(terms)
+    return text[2:] if text.startswith("+") else "−" + text[2:]
+
+
+def _term(number: float, size: str) -> str:
+    return f"{'−' if number < 0 else '+'} {size}"

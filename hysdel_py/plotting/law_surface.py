@@ -22,7 +22,11 @@ _PARTS = 8
 """A triangle is cut into so many parts along each side, so that a curved value looks curved."""
 
 _MAP = "cividis"  # the same to all kinds of sight
-_LABEL_ROOM = 8
+_LABEL_ROOM = 12
+_VIEW = -125.0
+_ASIDE = 35.0
+_OBLIQUE = 28.0
+"""Degrees; seen along an axis, labels would hide each other."""
 
 
 def plot_surface(law: ExplicitLaw, move: int | None, by: str, labels: tuple[str, str, str], title: str) -> Figure:
@@ -39,9 +43,17 @@ def plot_surface(law: ExplicitLaw, move: int | None, by: str, labels: tuple[str,
     axes.set(xlim=(low[0], high[0]), ylim=(low[1], high[1]), zlim=_limits(heights))
     for axis, label in zip("xyz", (*labels[:2], "value" if move is None else labels[2]), strict=True):
         getattr(axes, f"set_{axis}label")(label, labelpad=_LABEL_ROOM)
-    axes.view_init(elev=28, azim=-125)
+    axes.view_init(elev=28, azim=_VIEW if move is None else _downhill(law, pieces, move, high - low))
     axes.set_title(title, fontsize=9, loc="left")
     return figure
+
+
+def _downhill(law: ExplicitLaw, pieces: list[Piece], move: int, spans: Array) -> float:
+    """Angle from which the greatest slope is seen, a little from the side."""
+    steepest = max(pieces, key=lambda piece: float(np.abs(law.K[piece.region, move] * spans).sum()) * piece.area)
+    across, upwards = -law.K[steepest.region, move] * spans
+    quarter, rest = divmod(float(np.degrees(np.arctan2(upwards, across))) + _ASIDE, 90.0)
+    return 90.0 * quarter + min(max(rest, _OBLIQUE), 90.0 - _OBLIQUE)
 
 
 def _limits(heights: Array) -> tuple[float, float]:
