@@ -8,6 +8,7 @@ from dataclasses import replace
 import numpy as np
 
 from hysdel_py.control.explicit_law import Array, ExplicitLaw, Vector
+from hysdel_py.control.law_signals import LawSignals
 from hysdel_py.errors import ArgumentError
 from hysdel_py.geometry.polyhedron import Polyhedron
 
@@ -56,7 +57,15 @@ def fix(law: ExplicitLaw, values: Mapping[str | int, float]) -> ExplicitLaw:
         active=tuple(law.active[region] for region in regions),
         domain=Polyhedron(A[real], b[real]),
         names=tuple(law.names[j] for j in free.tolist()),
+        signals=_signals(law, given),
     )
+
+
+def _signals(law: ExplicitLaw, given: Mapping[int, float]) -> LawSignals | None:
+    """What the parameters stand for, with those that are given among the fixed ones."""
+    if law.signals is None:
+        return None
+    return replace(law.signals, fixed=(*law.signals.fixed, *((law.names[j], given[j]) for j in sorted(given))))
 
 
 def _position(law: ExplicitLaw, name: str | int) -> int:

@@ -1,0 +1,66 @@
+"""What the parameters and the moves of an explicit law stand for."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from hysdel_py.systems.signals import Variable
+
+__all__ = ["LawSignals", "last_input_name", "reference_name"]
+
+
+def last_input_name(name: str) -> str:
+    """Name of the parameter that carries the input applied last."""
+    return f"{name}(-1)"
+
+
+def reference_name(name: str) -> str:
+    """Name of the parameter that carries a reference."""
+    return f"r({name})"
+
+
+@dataclass(frozen=True, slots=True)
+class LawSignals:
+    """The signals that a law reads and gives.
+
+    Attributes
+    ----------
+    x, u : tuple of Variable
+        States, all of which are parameters, and inputs.
+    previous : bool
+        Whether the inputs applied last are parameters.
+    references : tuple of str
+        Signals whose references are parameters.
+    increment : bool
+        Whether the move is the change of the input instead of the input.
+    sample_time : float
+    fixed : tuple of (name, value)
+        Parameters that were set to numbers.
+    """
+
+    x: tuple[Variable, ...]
+    u: tuple[Variable, ...]
+    previous: bool
+    references: tuple[str, ...]
+    increment: bool
+    sample_time: float = 1.0
+    fixed: tuple[tuple[str, float], ...] = ()
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """Names of all parameters, those that were fixed among them: states, last inputs, references."""
+        last = [last_input_name(v.name) for v in self.u] if self.previous else []
+        return (*(v.name for v in self.x), *last, *(reference_name(name) for name in self.references))
+
+    @property
+    def free(self) -> tuple[str, ...]:
+        """Names of the parameters that are not fixed."""
+        given = dict(self.fixed)
+        return tuple(name for name in self.names if name not in given)
+
+    @property
+    def groups(self) -> dict[str, tuple[str, ...]]:
+        """Names of the parameters of the states (x), of the last inputs (u) and of the references (r)."""
+        names, nx = self.names, len(self.x)
+        split = nx + len(self.u) * self.previous
+        return {"x": names[:nx], "u": names[nx:split], "r": names[split:]}
