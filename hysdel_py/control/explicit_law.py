@@ -213,18 +213,10 @@ class ExplicitLaw:
         ref: ArrayLike | Mapping[str, float] | None = None,
         last_input: ArrayLike | Mapping[str, float] | None = None,
     ) -> Move:
-        """The first input, in the place of the controller that the law comes from.
+        """The first input, in the place of the controller that the law comes from, with the same arguments.
 
-        Parameters
-        ----------
-        x, ref, last_input
-            As for the controller; references are numbers that hold over the horizon.
-
-        Returns
-        -------
-        Move
-            Without a predicted trajectory; ``move.u`` is None where no region holds the point, and the message says
-            why.
+        References are numbers that hold over the horizon. The move has no predicted trajectory; its input is None where
+        no region holds the point, and the message says why.
 
         Raises
         ------
@@ -253,6 +245,16 @@ class ExplicitLaw:
         from hysdel_py.control.explicit_slice import fix
 
         return fix(self, values)
+
+    def section(self, values: Mapping[str | int, float], window: Polyhedron) -> ExplicitLaw:
+        """The law in a window of the other parameters, with its regions continued beyond the end of the domain.
+
+        Pictures of laws often show such sections. `values` sets parameters, by name or position; the window is over
+        the others, in their order.
+        """
+        from hysdel_py.control.explicit_slice import section
+
+        return section(self, values, window)
 
     def certificate(self, problem: MpQp, samples: int = 200, seed: int = 0) -> LawCertificate:
         """Comparison with the problem solved online, and continuity; see :func:`certify`."""

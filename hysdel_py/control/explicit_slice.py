@@ -12,8 +12,10 @@ from hysdel_py.control.law_signals import LawSignals
 from hysdel_py.errors import ArgumentError
 from hysdel_py.geometry.polyhedron import Polyhedron
 
-__all__ = ["fix"]
+__all__ = ["fix", "section"]
 
+_SAME = 1e-9
+"""Difference of the coefficients up to which a row is one of the domain."""
 _SHORT = 1e-12
 """A row of unit length that is shorter after fixing says nothing about the other parameters."""
 
@@ -66,6 +68,59 @@ def _signals(law: ExplicitLaw, given: Mapping[int, float]) -> LawSignals | None:
     if law.signals is None:
         return None
     return replace(law.signals, fixed=(*law.signals.fixed, *((law.names[j], given[j]) for j in sorted(given))))
+
+
+def section(law: ExplicitLaw, values: Mapping[str | int, float], window: Polyhedron) -> ExplicitLaw:
+    """The law in a window, its regions continued beyond the domain; see :meth:`ExplicitLaw.section`.
+
+    Raises
+    ------
+    ArgumentError
+        An unknown parameter, none left, or a window of another dimension.
+    """
+    open_law = fix(_without_ends(law), values)
+    if window.n != open_law.p:
+        raise ArgumentError(f"window has {window.n} columns: {open_law.p} were expected, {', '.join(open_law.names)}")
+    pieces = [(i, _inside(open_law.polyhedron(i), window)) for i in range(open_law.count)]
+    kept = [(i, piece) for i, piece in pieces if piece is not None]
+    return replace(_chosen(open_law, kept), domain=window)
+
+
+def _without_ends(law: ExplicitLaw) -> ExplicitLaw:
+    """The same law without the rows that are those of its domain."""
+    length = law.domain.lengths
+    ends = np.column_stack([law.domain.A, law.domain.b]) / length[:, None]
+    rows = np.column_stack([law.A, law.b])
+    same = np.abs(rows[:, None] - ends[None]) <= _SAME * np.maximum(1.0, np.abs(ends))
+    inner = ~same.all(axis=2).any(axis=1)
+    before = np.concatenate([[0], np.cumsum(inner)])
+    nowhere = Polyhedron(np.zeros((0, law.p)), np.zeros(0))
+    return replace(law, A=law.A[inner], b=law.b[inner], starts=before[law.starts], domain=nowhere)
+
+
+def _inside(region: Polyhedron, window: Polyhedron) -> Polyhedron | None:
+    piece = region & window
+    return None if piece.is_empty or piece.is_flat else _scaled(piece.minimal())
+
+
+def _scaled(piece: Polyhedron) -> Polyhedron:
+    return Polyhedron(piece.A / piece.lengths[:, None], piece.b / piece.lengths)
+
+
+def _chosen(law: ExplicitLaw, kept: list[tuple[int, Polyhedron]]) -> ExplicitLaw:
+    """Some regions of a law, with new rows."""
+    regions = [i for i, _ in kept]
+    values = {name: getattr(law, name)[regions] for name in ("P", "q", "r")} if law.has_value else {}
+    return replace(
+        law,
+        A=np.vstack([np.zeros((0, law.p)), *(piece.A for _, piece in kept)]),
+        b=np.concatenate([np.zeros(0), *(piece.b for _, piece in kept)]),
+        starts=np.cumsum([0, *(piece.m for _, piece in kept)]),
+        K=law.K[regions],
+        k=law.k[regions],
+        active=tuple(law.active[i] for i in regions),
+        **values,
+    )
 
 
 def _position(law: ExplicitLaw, name: str | int) -> int:

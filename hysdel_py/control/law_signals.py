@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+import json
+from dataclasses import asdict, dataclass
+from typing import Any
 
-from hysdel_py.systems.signals import Variable
+from hysdel_py.systems.signals import Kind, Type, Variable
 
-__all__ = ["LawSignals", "last_input_name", "reference_name"]
+__all__ = ["LawSignals", "last_input_name", "read_signals", "reference_name", "signals_text"]
 
 
 def last_input_name(name: str) -> str:
@@ -64,3 +66,36 @@ class LawSignals:
         names, nx = self.names, len(self.x)
         split = nx + len(self.u) * self.previous
         return {"x": names[:nx], "u": names[nx:split], "r": names[split:]}
+
+
+def signals_text(signals: LawSignals) -> str:
+    """The signals as JSON."""
+    plain = asdict(signals)
+    for group in ("x", "u"):
+        plain[group] = [_plain(v) for v in getattr(signals, group)]
+    return json.dumps(plain, sort_keys=True)
+
+
+def read_signals(text: str) -> LawSignals:
+    """The signals from JSON."""
+    plain = json.loads(text)
+    plain["x"] = tuple(_variable(entry, Kind.STATE) for entry in plain["x"])
+    plain["u"] = tuple(_variable(entry, Kind.INPUT) for entry in plain["u"])
+    plain["references"] = tuple(plain["references"])
+    plain["fixed"] = tuple((str(name), float(value)) for name, value in plain["fixed"])
+    return LawSignals(**plain)
+
+
+def _plain(v: Variable) -> dict[str, Any]:
+    return {
+        "name": v.name,
+        "type": v.type.value,
+        "low": v.low,
+        "high": v.high,
+        "unit": v.unit,
+        "description": v.description,
+    }
+
+
+def _variable(entry: dict[str, Any], kind: Kind) -> Variable:
+    return Variable(**(entry | {"type": Type(entry["type"]), "kind": kind}))

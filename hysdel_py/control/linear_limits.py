@@ -82,7 +82,8 @@ class LinearLimits:
             for group, variables in groups.items()
             for band in bands_of(_by_name(getattr(self, group), variables, group), variables, group, horizon)
         ]
-        rho, linear = _price(self.rho, "rho"), _price(self.rho_linear, "rho_linear", least=0.0)
+        linear = _price(self.rho_linear, "rho_linear", least=0.0)
+        rho = _price(self.rho, "rho", least=0.0 if linear else None)
         return ResolvedLinearLimits(
             tuple(_within_range(bands, lti)), self._polytope(lti, horizon), rho, linear, self.slack, self._invariant()
         )

@@ -7,24 +7,21 @@ systems", Automatica 38, 2002; horizons, limits and defaults as in the LINCON co
 from __future__ import annotations
 
 import time
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
-from functools import cache
-from math import inf
 from typing import Any, Literal
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from hysdel_py.control import fallback as fallbacks
-from hysdel_py.control.admissible_set import maximal_admissible_set
-from hysdel_py.control.bands import Polytope
 from hysdel_py.control.construction import checked
 from hysdel_py.control.fallback import Fallback, Reserve, check_fallback
 from hysdel_py.control.linear_columns import Columns
-from hysdel_py.control.linear_cost import LinearCost, LinearWeights
-from hysdel_py.control.linear_horizons import Horizons, choose_horizons
-from hysdel_py.control.linear_limits import DEFAULT_PRICE, LinearLimits, ResolvedLinearLimits
+from hysdel_py.control.linear_construction import models_of, softened, terminal_set, with_cached_gain
+from hysdel_py.control.linear_cost import LinearCost
+from hysdel_py.control.linear_horizons import choose_horizons
+from hysdel_py.control.linear_limits import LinearLimits, ResolvedLinearLimits
 from hysdel_py.control.linear_planner import LinearPlan, LinearPlanner
 from hysdel_py.control.linear_prediction import predict
 from hysdel_py.control.linear_program import LinearProgram, assemble
@@ -33,14 +30,12 @@ from hysdel_py.control.move import Move
 from hysdel_py.control.references import Reference, choose_references
 from hysdel_py.control.settings import DEFAULT_CONTROL_TOLERANCES, ControlTolerances
 from hysdel_py.errors import ArgumentError
-from hysdel_py.geometry.polyhedron import Polyhedron
 from hysdel_py.systems.lti import Lti
 from hysdel_py.systems.signals import as_vector
 
 __all__ = ["LinearMpc"]
 
 Vector = NDArray[np.float64]
-Matrix = NDArray[np.float64]
 LastInput = ArrayLike | Mapping[str, float] | None
 
 KINDS = ("regulator", "track")
@@ -144,19 +139,19 @@ class LinearMpc:
             input_constraint_horizon,
             constrain_now=constrain_first_output,
         )
-        self.models = _models(model, self.horizons.steps)
+        self.models = models_of(model, self.horizons.steps)
         self.tolerances = checked(tolerances, ControlTolerances, "tolerances")
         chosen = checked(LinearLimits() if limits is None else limits, LinearLimits, "limits")
         weights = checked(LinearCost() if cost is None else cost, LinearCost, "cost")
-        self.weights = _with_cached_gain(weights.resolve(self.models, self.tracks, tolerances))
+        self.weights = with_cached_gain(weights.resolve(self.models, self.tracks, tolerances))
         self.limits = chosen.resolve(self.lti, self.horizons.steps)
         names = [self.lti.y[i].name for i in self.weights.tracked]
         self.references = choose_references(references, names, self.horizons.steps)
-        self.terminal_set = self._terminal_set()
+        self.terminal_set = terminal_set(self.models[-1], self.weights, self.limits, self.horizons, self.tracks)
         self._backend = backend
         self._fallback = check_fallback(fallback, chosen)
         self._planner = self._planner_of(self.limits)
-        self._softened = self._planner_of(_softened(self.limits), soften_terminal=True) if fallback == "soft" else None
+        self._softened = self._planner_of(softened(self.limits), soften_terminal=True) if fallback == "soft" else None
         self._reserve: Reserve | None = None
 
     @property
@@ -254,18 +249,6 @@ class LinearMpc:
         self._reserve = None if self._reserve is None else replace(self._reserve, used=self._reserve.used + 1)
         return move
 
-    def _terminal_set(self) -> Polytope | None:
-        if not (self.limits.invariant or self.limits.terminal is not None):
-            return None
-        if self.tracks:
-            raise ArgumentError(
-                "limits terminal: a terminal set belongs to a regulator; limit outputs up to time N instead"
-            )
-        if not self.limits.invariant:
-            return self.limits.terminal
-        found = maximal_admissible_set(*_held_limits(self.models[-1], self.weights.gain(), self.limits, self.horizons))
-        return Polytope(found.A, found.b)
-
     def _planner_of(self, limits: ResolvedLinearLimits, *, soften_terminal: bool = False) -> LinearPlanner:
         h = self.horizons
         soften_terminal = soften_terminal and self.terminal_set is not None
@@ -286,41 +269,3 @@ class LinearMpc:
         final = bool(self.limits.of("u") or self.limits.of("du")) and h.inputs == h.steps
         output = bool(self.limits.of("y")) and h.outputs == h.steps and self.models[-1].D.any()
         return h.steps + int(final or output)
-
-
-def _models(model: Any, stages: int) -> tuple[Lti, ...]:
-    """One model per stage."""
-    if isinstance(model, Iterable) and not isinstance(model, str):
-        models = tuple(Lti.of(entry) for entry in model)
-        if len(models) != stages:
-            raise ArgumentError(
-                f"model has {len(models)} entries: {stages} were expected, one per stage of the horizon"
-            )
-        shapes = {(m.nx, m.nu, m.ny, m.ts) for m in models}
-        if len(shapes) > 1:
-            raise ArgumentError("the models of the stages differ in size or sample time: equal ones were expected")
-        return models
-    return (Lti.of(model),) * stages
-
-
-def _with_cached_gain(weights: LinearWeights) -> LinearWeights:
-    return replace(weights, gain=cache(weights.gain))
-
-
-def _softened(limits: ResolvedLinearLimits) -> ResolvedLinearLimits:
-    return limits if limits.rho < inf else replace(limits, rho=DEFAULT_PRICE)
-
-
-def _held_limits(lti: Lti, K: Matrix, limits: ResolvedLinearLimits, horizons: Horizons) -> tuple[Matrix, Polyhedron]:
-    """The closed loop under u = K x, and its limits as rows over the state."""
-    closed = lti.A + lti.B @ K
-    forms = {"u": K, "du": K @ (closed - np.eye(lti.nx)), "y": lti.C + lti.D @ K, "x": np.eye(lti.nx)}
-    rows, sides = [np.zeros((0, lti.nx))], []
-    for band in limits.bands:
-        low, high = band.at(horizons.steps)
-        shift = lti.g[band.column] if band.group == "y" else 0.0
-        row = forms[band.group][band.column]
-        rows += [row, -row]
-        sides += [high - shift, shift - low]
-    A, b = np.vstack(rows), np.array(sides)
-    return closed, Polyhedron(A[np.isfinite(b)], b[np.isfinite(b)])

@@ -11,7 +11,8 @@ import numpy as np
 
 from hysdel_py.errors import ArgumentError
 from hysdel_py.systems.dha import Dha
-from hysdel_py.systems.lti import Lti, checked_sample_time
+from hysdel_py.systems.lti import Lti
+from hysdel_py.systems.lti_checks import checked_sample_time
 from hysdel_py.systems.lti_of_dha import lti_of_dha
 
 __all__ = ["lti_of"]
