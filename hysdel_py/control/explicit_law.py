@@ -213,16 +213,7 @@ class ExplicitLaw:
         ref: ArrayLike | Mapping[str, float] | None = None,
         last_input: ArrayLike | Mapping[str, float] | None = None,
     ) -> Move:
-        """The first input, in the place of the controller that the law comes from, with the same arguments.
-
-        References are numbers that hold over the horizon. The move has no predicted trajectory; its input is None where
-        no region holds the point, and the message says why.
-
-        Raises
-        ------
-        ArgumentError
-            Wrong arguments, or a law that does not come from a controller.
-        """
+        """The first input, in the place of the controller that the law comes from (:func:`law_controller.answer`)."""
         from hysdel_py.control.law_controller import answer
 
         return answer(self, x, ref, last_input)
@@ -247,11 +238,7 @@ class ExplicitLaw:
         return fix(self, values)
 
     def section(self, values: Mapping[str | int, float], window: Polyhedron) -> ExplicitLaw:
-        """The law in a window of the other parameters, with its regions continued beyond the end of the domain.
-
-        Pictures of laws often show such sections. `values` sets parameters, by name or position; the window is over
-        the others, in their order.
-        """
+        """The law in a window of the other parameters, its regions going on beyond the domain (:mod:`explicit_slice`)."""
         from hysdel_py.control.explicit_slice import section
 
         return section(self, values, window)

@@ -71,7 +71,18 @@ def _signals(law: ExplicitLaw, given: Mapping[int, float]) -> LawSignals | None:
 
 
 def section(law: ExplicitLaw, values: Mapping[str | int, float], window: Polyhedron) -> ExplicitLaw:
-    """The law in a window, its regions continued beyond the domain; see :meth:`ExplicitLaw.section`.
+    """The law in a window, its regions continued beyond the domain.
+
+    A region that the domain alone ends goes on: what lies outside the domain is where its law leads, not what was asked
+    for. Pictures of laws often show sections like this.
+
+    Parameters
+    ----------
+    law : ExplicitLaw
+    values : mapping of names or positions to numbers
+        Parameters to set.
+    window : Polyhedron
+        Of the others, in their order.
 
     Raises
     ------
@@ -92,7 +103,7 @@ def _without_ends(law: ExplicitLaw) -> ExplicitLaw:
     ends = np.column_stack([law.domain.A, law.domain.b]) / length[:, None]
     rows = np.column_stack([law.A, law.b])
     same = np.abs(rows[:, None] - ends[None]) <= _SAME * np.maximum(1.0, np.abs(ends))
-    inner = ~same.all(axis=2).any(axis=1)
+    inner = np.array([not row.all(axis=1).any() for row in same], dtype=bool)
     before = np.concatenate([[0], np.cumsum(inner)])
     nowhere = Polyhedron(np.zeros((0, law.p)), np.zeros(0))
     return replace(law, A=law.A[inner], b=law.b[inner], starts=before[law.starts], domain=nowhere)

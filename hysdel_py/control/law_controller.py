@@ -36,7 +36,24 @@ def signals_of(law: ExplicitLaw) -> LawSignals:
 
 
 def answer(law: ExplicitLaw, x: Values, ref: Values, last_input: Values) -> Move:
-    """The move of a law, as its controller would give it; see :meth:`ExplicitLaw.solve`."""
+    """The move of a law, as its controller would give it.
+
+    Parameters
+    ----------
+    law : ExplicitLaw
+    x, ref, last_input
+        As for the controller; references are numbers that hold over the horizon.
+
+    Returns
+    -------
+    Move
+        Without a predicted trajectory; ``move.u`` is None where no region holds the point, and the message says why.
+
+    Raises
+    ------
+    ArgumentError
+        Wrong arguments, or a law that does not come from a controller.
+    """
     begin = time.perf_counter()
     signals = signals_of(law)
     values = _values(signals, x, ref, last_input)

@@ -87,14 +87,8 @@ def read_signals(text: str) -> LawSignals:
 
 
 def _plain(v: Variable) -> dict[str, Any]:
-    return {
-        "name": v.name,
-        "type": v.type.value,
-        "low": v.low,
-        "high": v.high,
-        "unit": v.unit,
-        "description": v.description,
-    }
+    kept = {name: getattr(v, name) for name in ("name", "low", "high", "unit", "description")}
+    return kept | {"type": v.type.value}
 
 
 def _variable(entry: dict[str, Any], kind: Kind) -> Variable:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from math import inf
 from typing import TYPE_CHECKING
@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from hysdel_py.control.linear_prediction import LinearPrediction
 from hysdel_py.control.linear_program import LinearProgram
-from hysdel_py.control.linear_rows import SlackPlan
+from hysdel_py.control.linear_rows import LimitRow, SlackPlan
 from hysdel_py.control.move import Move, MoveStatus
 from hysdel_py.control.settings import ControlTolerances
 from hysdel_py.systems.lti import Lti
@@ -101,7 +101,7 @@ class LinearPlanner:
 
     def _why(self) -> str:
         rows = self.built.program.rows
-        hard = dict.fromkeys(f"{row.group} {row.name}" for row in rows if self._is_hard(row.group, row.name, row.time))
+        hard = dict.fromkeys(_words(row) for row in rows if self._is_hard(row.group, row.name, row.time))
         return (
             f"no plan keeps the hard limits of {', '.join(hard)}; soften those of outputs and states with "
             "LinearLimits(rho=...), widen the others, or give a fallback"
@@ -120,17 +120,19 @@ class LinearPlanner:
             message = f"numerical trouble: the plan violates its limits by {residual:.2g}; {_TROUBLE}"
             return Move(MoveStatus.NUMERICAL, message, bound=verdict.bound, qps=solves, residual=residual)
         cost = verdict.answer.objective
-        slack = v[self.built.program.columns.n - self.built.program.columns.slacks :]
+        columns = self.built.program.columns
+        slack = np.maximum(v[columns.n - columns.slacks :], 0.0)
+        exceeded = dict(zip(self.built.slacks.labels, slack.tolist(), strict=True))
         return Move(
             MoveStatus.OPTIMAL,
-            f"optimal: cost {cost:.6g}",
+            f"optimal: cost {cost:.6g}" + _remark(exceeded, self.tolerances.residual),
             u=predicted.u[0].copy(),
             cost=cost,
             bound=verdict.bound,
             gap=max(0.0, cost - verdict.bound),
             qps=solves,
             predicted=predicted,
-            slack=dict(zip(self.built.slacks.labels, np.maximum(slack, 0.0).tolist(), strict=True)),
+            slack=exceeded,
             residual=residual,
         )
 
@@ -174,6 +176,16 @@ class LinearPlanner:
         known = np.concatenate([v, theta, [1.0]])
         x = np.array([form @ known for form in self.built.prediction.x])
         return float(np.max(np.abs(x - predicted.x), initial=0.0) / max(1.0, float(np.abs(x).max(initial=0.0))))
+
+
+def _words(row: LimitRow) -> str:
+    return "the terminal set" if row.group == "terminal" else f"{row.group} {row.name}"
+
+
+def _remark(exceeded: Mapping[str, float], tolerance: float) -> str:
+    """Which softened limits a plan exceeds, in words."""
+    found = [f"{name} by {value:.4g}" for name, value in exceeded.items() if value > tolerance]
+    return f"; softened limits exceeded: {', '.join(found)}" if found else ""
 
 
 def _trajectory(lti: Lti, x: Sequence[Vector], u: Matrix, y: Sequence[Vector]) -> Trajectory:

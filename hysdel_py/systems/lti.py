@@ -45,7 +45,7 @@ class Lti:
     ts : float
         Sample time, in seconds unless time has another unit.
     x, u, y : sequences of names or of Variable, optional
-        Names of the signals, with a unit in brackets if there is one: ``"we [rad/s]"``. By default ``x1, x2, ...``,
+        Names of the signals, with a unit in brackets after a space if there is one: ``"we [rad/s]"``. By default ``x1, x2, ...``,
         ``u1, ...``, ``y1, ...``.
     f, g : array_like of shapes (nx,), (ny,), optional
         Constant terms of the update and of the output; zero where they are left out.
@@ -96,13 +96,14 @@ class Lti:
     ) -> None:
         a = matrix(A, "A")
         nx = len(a)
+        a = numbers(a, "A", (nx, nx))
         b = matrix(B, "B", rows=nx)
         c = np.eye(nx) if C is None else matrix(C, "C", columns=nx)
         nu, ny = b.shape[1], len(c)
         states = named_variables(x, Kind.STATE, nx)
         outputs = outputs_named(states) if C is None and not y else y
         values: dict[str, Any] = {
-            "A": numbers(a, "A", (nx, nx)),
+            "A": a,
             "B": numbers(b, "B", (nx, nu)),
             "C": numbers(c, "C", (ny, nx)),
             "D": numbers(D, "D", (ny, nu)),

@@ -83,7 +83,7 @@ def _variable(entry: Any, kind: Kind) -> Variable:
         return entry
     if not isinstance(entry, str) or not entry.strip():
         raise ArgumentError(f"{entry!r} is no name: text such as 'speed' or 'speed [rad/s]' was expected")
-    name, bracket, unit = entry.partition("[")
+    name, bracket, unit = entry.strip().partition(" [")
     return Variable(name.strip(), Type.REAL, kind, unit=unit.strip().removesuffix("]") if bracket else "")
 
 
