@@ -238,7 +238,7 @@ class ExplicitLaw:
         return fix(self, values)
 
     def section(self, values: Mapping[str | int, float], window: Polyhedron) -> ExplicitLaw:
-        """The law in a window of the other parameters, its regions going on beyond the domain (:mod:`explicit_slice`)."""
+        """The law in a window of the other parameters, its regions continued (:mod:`explicit_slice`)."""
         from hysdel_py.control.explicit_slice import section
 
         return section(self, values, window)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from math import inf
 from typing import TYPE_CHECKING
 
@@ -19,6 +19,7 @@ from hysdel_py.systems.lti import Lti
 from hysdel_py.systems.trajectory import Trajectory
 
 if TYPE_CHECKING:
+    from hysdel_py.optimize.qp import Qp
     from hysdel_py.optimize.verified import Verdict, VerifiedSolver
 
 __all__ = ["LinearPlan", "LinearPlanner"]
@@ -27,7 +28,7 @@ Vector = NDArray[np.float64]
 Matrix = NDArray[np.float64]
 
 FAR = 1e7
-"""Infeasibility is proven among plans whose moves and slacks are not larger than this."""
+"""Infeasibility is proven among plans whose moves and slacks, scaled to a curvature of 1, are not larger than this."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -62,13 +63,14 @@ class LinearPlanner:
 
     def __init__(self, plan: LinearPlan, backend: str, tolerances: ControlTolerances) -> None:
         self.built, self.tolerances = plan, tolerances
-        self._base = plan.program.qp(np.zeros(plan.program.columns.p))
+        self._scale = _scale(plan.program.H)
+        self._base = self._scaled(plan.program.qp(np.zeros(plan.program.columns.p)))
         self._solver = _solver(self._base, backend, tolerances)
 
     def plan(self, theta: Vector) -> Move:
         """Plan for given parameters; the move has no time yet."""
         q, low, high, constant = self.built.program.vectors(theta)
-        qp = self._base.with_vectors(q=q, l=low, u=high, constant=constant)
+        qp = self._base.with_vectors(q=self._scale * q, l=low, u=high, constant=constant)
         box = np.full(qp.n, FAR)
         before = self._solver.solves
         verdict = self._solver.solve(qp, box=(-box, box))
@@ -76,6 +78,12 @@ class LinearPlanner:
         if not verdict.optimal:
             return self._without_plan(verdict, solves)
         return self._judged(theta, verdict, solves)
+
+    def _scaled(self, qp: Qp) -> Qp:
+        """The program in variables whose curvature is 1, so that the price of a slack does not drown the moves."""
+        D = self._scale
+        P, A = qp.P.toarray() * np.outer(D, D), qp.A.toarray() * D
+        return replace(qp, P=(P + P.T) / 2, q=qp.q * D, A=A)
 
     def broken_input_limits(self, theta: Vector, u: Vector) -> list[str]:
         """Names of the inputs that leave their limits, those of their increments included."""
@@ -113,7 +121,7 @@ class LinearPlanner:
         return self.built.slacks.of(group, "set" if group == "terminal" else name, time) is None
 
     def _judged(self, theta: Vector, verdict: Verdict, solves: int) -> Move:
-        v = verdict.answer.x
+        v = self._scale * verdict.answer.x
         predicted = self._predicted(v, theta)
         residual = self._residual(v, theta, predicted)
         if not residual <= self.tolerances.residual:
@@ -178,6 +186,11 @@ class LinearPlanner:
         return float(np.max(np.abs(x - predicted.x), initial=0.0) / max(1.0, float(np.abs(x).max(initial=0.0))))
 
 
+def _scale(H: Matrix) -> Vector:
+    curvature = np.diag(H)
+    return np.asarray(1.0 / np.sqrt(np.where(curvature > 0, curvature, 1.0)))
+
+
 def _words(row: LimitRow) -> str:
     return "the terminal set" if row.group == "terminal" else f"{row.group} {row.name}"
 
@@ -199,14 +212,13 @@ def _trajectory(lti: Lti, x: Sequence[Vector], u: Matrix, y: Sequence[Vector]) -
 _TROUBLE = 'try the other solver (backend="osqp" or "piqp"), and check that limits and weights are of similar size'
 
 
-def _solver(qp: object, backend: str, tolerances: ControlTolerances) -> VerifiedSolver:
+def _solver(qp: Qp, backend: str, tolerances: ControlTolerances) -> VerifiedSolver:
     from hysdel_py.optimize.backends.registry import get_backend
     from hysdel_py.optimize.dense import dense_solver
     from hysdel_py.optimize.mixed_integer import KERNELS, Miqp
-    from hysdel_py.optimize.qp import Qp, QpSettings
+    from hysdel_py.optimize.qp import QpSettings
     from hysdel_py.optimize.verified import VerifiedSolver
 
-    assert isinstance(qp, Qp)
     name = "piqp" if backend in KERNELS else backend
     settings = QpSettings(accuracy=_ACCURACY, feasibility=tolerances.feasibility)
     get_backend(name, settings)

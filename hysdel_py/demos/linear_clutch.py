@@ -26,7 +26,7 @@ __all__ = [
 SAMPLE_TIME = 0.01
 BOX = {"x": ([80.0, 0.0, 50.0], [150.0, 150.0, 150.0]), "u": (0.0, 180.0), "r": ([90.0, 0.0], [140.0, 1.0])}
 """Parameters of the explicit law: states, normal force applied last, references."""
-SECTION = {"Te": 120.0, "Fn(-1)": 0.0, "r(we)": 120.0, "r(dw)": 0.0}
+SECTION: dict[str | int, float] = {"Te": 120.0, "Fn(-1)": 0.0, "r(we)": 120.0, "r(dw)": 0.0}
 """The section of the published picture, over engine speed and relative speed."""
 NORMALISED_PRICE = 1e4
 """Price of the slack where the Hessian of the increment is 1."""

@@ -45,8 +45,8 @@ class Lti:
     ts : float
         Sample time, in seconds unless time has another unit.
     x, u, y : sequences of names or of Variable, optional
-        Names of the signals, with a unit in brackets after a space if there is one: ``"we [rad/s]"``. By default ``x1, x2, ...``,
-        ``u1, ...``, ``y1, ...``.
+        Names of the signals, with a unit in brackets after a space if there is one: ``"we [rad/s]"``. By default
+        ``x1, x2, ...``, ``u1, ...``, ``y1, ...``.
     f, g : array_like of shapes (nx,), (ny,), optional
         Constant terms of the update and of the output; zero where they are left out.
     name : str
