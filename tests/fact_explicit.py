@@ -20,7 +20,7 @@ FAR = 1e4
 
 def mpqp_regions(fact: Fact) -> str:
     law = stated_law(fact)
-    compare(law, fact)
+    compare(law, fact, values=("J", "V", "z_objective"))
     system = fact["problem"].get("system")
     if system is None:
         return f"{law.count} regions"
@@ -39,11 +39,11 @@ def stated_law(fact: Fact) -> ExplicitLaw:
 
 
 def with_matrices(p: Fact) -> MpQp:
-    """``min 1/2 z'Hz + (F x)'z + f'z`` with ``G z <= W + E x``; F may be given for x'F z."""
+    """``min 1/2 z'Hz + (F x)'z + f'z`` with ``G z <= W + E x``; where Y is missing, F is stated for x'F z."""
     G, E = array(p["G"]), array(p["E"])
     n, q = G.shape[1], E.shape[1]
-    H, F = array(p.get("H", np.zeros((n, n)))), array(p.get("F", np.zeros((n, q))))
-    F = F.T if F.shape == (q, n) and (q != n or "x'F z" in p.get("form", "x'F z" if "Y" not in p else "")) else F
+    H, F = array(p.get("H", np.zeros((n, n)))), array(p.get("F", np.zeros((q, n))))
+    F = F.T if "Y" not in p else F
     theta = Polyhedron(array(p["xA"]), array(p["xb"]))
     return MpQp(H, array(p.get("f", np.zeros(n))), F, G, array(p["W"]), E, theta, Y=p.get("Y"))
 
@@ -116,12 +116,13 @@ def clutch_controller(lti: Lti, rho: float) -> LinearMpc:
 # ------------------------------------------------------------------ comparison
 
 
-def compare(law: ExplicitLaw, fact: Fact) -> None:
+def compare(law: ExplicitLaw, fact: Fact, values: tuple[str, ...] = ("J", "V")) -> None:
+    """Regions, moves and values; a value without the terms of the parameters alone is that of the stated program."""
     expected, tolerance = fact["expected"], fact["tolerance"]
     assert law.complete, "the map is not complete"
     assert law.count == expected["n_regions"], f"{law.count} regions, expected {expected['n_regions']}"
     for point in (*expected.get("evaluations", ()), *expected.get("u0_at", ()), *expected.get("at", ())):
-        compare_point(law, point, tolerance)
+        compare_point(law, point, tolerance, values)
     table = np.column_stack([law.K[:, 0], law.k[:, 0]])
     for published in expected.get("laws_du", ()):
         row = np.array([*published["F"], published["g"]])
@@ -129,7 +130,7 @@ def compare(law: ExplicitLaw, fact: Fact) -> None:
         assert gap.max(axis=1).min() <= tolerance, f"no region has the law {row.tolist()}"
 
 
-def compare_point(law: ExplicitLaw, point: Fact, tolerance: float) -> None:
+def compare_point(law: ExplicitLaw, point: Fact, tolerance: float, values: tuple[str, ...]) -> None:
     theta = np.atleast_1d(array(point["x"]))
     z = law.solution(theta)
     first = point.get("u0", point.get("u", 0.0))
@@ -141,7 +142,7 @@ def compare_point(law: ExplicitLaw, point: Fact, tolerance: float) -> None:
         close(z[:1], np.atleast_1d(first)[:1], 10 * tolerance, f"first move at {theta}")
     if "z" in point:
         close(z, point["z"], 10 * tolerance, f"moves at {theta}")
-    for key in ("J", "V"):
+    for key in values:
         if point.get(key) is not None:
             close(law.value(theta), point[key], tolerance, f"value at {theta}")
 

@@ -52,7 +52,8 @@ class LinearLimits:
     rho : float
         Price of the limits of outputs and states: ``rho eps^2`` is added to the cost. Infinite for hard limits.
     rho_linear : float
-        A price ``rho_linear eps`` beside it. One that is large enough keeps the limits exactly where that is possible.
+        A price ``rho_linear eps`` beside it, with which `rho` may be zero. One that is large enough keeps the limits
+        exactly where that is possible.
     slack : "all", "signal" or "stage"
         What shares a slack: all limits, those of one signal, or each limit at each time has its own.
     """
@@ -82,8 +83,8 @@ class LinearLimits:
             for group, variables in groups.items()
             for band in bands_of(_by_name(getattr(self, group), variables, group), variables, group, horizon)
         ]
-        linear = _price(self.rho_linear, "rho_linear", least=0.0)
-        rho = _price(self.rho, "rho", least=0.0 if linear else None)
+        linear = _price(self.rho_linear, "rho_linear", zero=True, infinite=False)
+        rho = _price(self.rho, "rho", zero=linear > 0, infinite=True)
         return ResolvedLinearLimits(
             tuple(_within_range(bands, lti)), self._polytope(lti, horizon), rho, linear, self.slack, self._invariant()
         )
@@ -130,11 +131,6 @@ class ResolvedLinearLimits:
     invariant: bool
 
     @property
-    def is_soft(self) -> bool:
-        """Whether limits of outputs and states may be exceeded at a price."""
-        return self.rho < inf and any(band.group in SOFT for band in self.bands)
-
-    @property
     def limits_increments(self) -> bool:
         """Whether the change of an input is limited."""
         return any(band.group == "du" for band in self.bands)
@@ -178,15 +174,14 @@ def _within_range(bands: list[Band], lti: Lti) -> list[Band]:
     return [*(band for band in bands if band.group != "u"), *inputs]
 
 
-def _price(value: Any, what: str, least: float | None = None) -> float:
+def _price(value: Any, what: str, *, zero: bool, infinite: bool) -> float:
+    """Return a price; `zero` and `infinite` say which ends are allowed."""
     try:
         price = float(value)
     except (TypeError, ValueError):
         raise ArgumentError(f"{what} is {value!r}: a number was expected") from None
-    good = price >= least if least is not None else price > 0
-    if not good or (least is not None and price == inf):
-        expected = (
-            "a finite number of at least 0" if least is not None else "a positive number, infinite for hard limits,"
-        )
-        raise ArgumentError(f"{what} is {price:g}: {expected} was expected")
+    if not (price > 0 or (zero and price == 0)) or (price == inf and not infinite):
+        kind = "a number of at least 0" if zero else "a positive number"
+        more = ", infinite for hard limits," if infinite else ", finite,"
+        raise ArgumentError(f"{what} is {price:g}: {kind}{more} was expected")
     return price

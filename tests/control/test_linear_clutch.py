@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from dataclasses import replace
 from functools import cache
 from pathlib import Path
 
@@ -14,6 +15,7 @@ from hysdel_py.control.explicit import parametric_controller
 from hysdel_py.control.explicit_certificate import random_points
 from hysdel_py.demos.linear_clutch import (
     BOX,
+    SECTION,
     linear_clutch,
     linear_clutch_controller,
     published_price,
@@ -109,8 +111,6 @@ def test_six_regions_in_the_published_section():
 
 def test_inside_the_box_the_section_touches_three():
     """The section lies on the end u(-1) = 0 of the box, so that a slice inside the box loses three."""
-    from hysdel_py.demos.linear_clutch import SECTION
-
     assert law().fixed(SECTION).count == 3
 
 
@@ -121,6 +121,17 @@ def test_the_count_does_not_depend_on_the_price(rho, count):
 
 def test_hard_outputs_give_eight_regions():
     assert hys.explicit(linear_clutch_controller(rho=np.inf), BOX).count == 8
+
+
+def test_a_row_for_the_sign_of_the_slack_changes_nothing():
+    problem = parametric_controller(linear_clutch_controller(), BOX).problem
+    signed = replace(
+        problem,
+        G=np.vstack([problem.G, [0.0, -1.0]]),
+        w=np.append(problem.w, 0.0),
+        S=np.vstack([problem.S, np.zeros(6)]),
+    )
+    assert len(hys.solve_mpqp(signed).regions) == PUBLISHED["regions"]
 
 
 def test_law_against_the_program_online():
