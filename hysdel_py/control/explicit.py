@@ -131,6 +131,7 @@ def _signals(controller: LinearMpc, move: MoveKind | None) -> LawSignals:
         references=tuple(lti.y[i].name for i in controller.weights.tracked),
         increment=controller.tracks and move != "input",
         sample_time=controller.sample_time,
+        required=controller.references.required,
     )
 
 

@@ -115,6 +115,9 @@ def _references(signals: LawSignals, fixed: Mapping[str, float], ref: Values) ->
     """References by parameter; those left out are what they were fixed to, else 0."""
     given = _by_name(signals, ref)
     names = {name: reference_name(name) for name in signals.references}
+    missing = [name for name, key in names.items() if name not in given and key not in fixed]
+    if missing and signals.required:
+        raise ArgumentError(f"no reference for {', '.join(missing)}: the law depends on it")
     return {key: given.get(name, fixed.get(key, 0.0)) for name, key in names.items()}
 
 

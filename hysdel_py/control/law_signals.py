@@ -38,6 +38,8 @@ class LawSignals:
     sample_time : float
     fixed : tuple of (name, value)
         Parameters that were set to numbers.
+    required : bool
+        Whether a reference must be given; otherwise a missing one is 0.
     """
 
     x: tuple[Variable, ...]
@@ -47,6 +49,7 @@ class LawSignals:
     increment: bool
     sample_time: float = 1.0
     fixed: tuple[tuple[str, float], ...] = ()
+    required: bool = False
 
     @property
     def names(self) -> tuple[str, ...]:

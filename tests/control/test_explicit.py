@@ -241,7 +241,11 @@ def test_wrong_calls_of_a_law():
         law.solve([0, 0], {"level": [1.0, 2.0]}, [0.0])
     with pytest.raises(hys.ArgumentError, match=r"the reference has shape \(2,\)"):
         law.solve([0, 0], [1.0, 2.0], [0.0])
-    problem = parametric_controller(*[tracking(), CASES["tracking"][1]]).problem
+    lti = hys.Lti([[0.5]], [[1.0]], y=("level",))
+    strict = hys.LinearMpc(lti, "track", 2, references=("level",))
+    with pytest.raises(hys.ArgumentError, match="no reference for level"):
+        hys.explicit(strict, (-1, 1)).solve([0.0], None, [0.0])
+    problem = parametric_controller(tracking(), CASES["tracking"][1]).problem
     bare = hys.ExplicitLaw.of(hys.solve_mpqp(problem))
     with pytest.raises(hys.ArgumentError, match="call law"):
         bare.solve([0, 0])
