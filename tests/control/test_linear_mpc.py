@@ -244,7 +244,7 @@ def test_one_slack_or_many():
         exceeded = np.abs(move.predicted.y[1:3]).max(axis=0) - 1
         assert max(move.slack.values()) == pytest.approx(exceeded[0], abs=1e-6)
         assert "softened limits exceeded" in move.message
-    assert move.slack["y.x2(1)"] == 0.0
+    assert move.slack["y.x2(1)"] == pytest.approx(0.0, abs=1e-9)
 
 
 def test_a_linear_price_keeps_limits_that_can_be_kept():
