@@ -104,7 +104,7 @@ def _explore(M: Any, b: Any, c: Any, domain: Any, sets: Any, guesses: Any, margi
     room = 16 * len(sets)
     N, h, points = np.empty((room, p)), np.empty(room), np.empty((room, p))
     kinds, candidates = np.empty((room, 3), dtype=np.int64), np.empty((room, n), dtype=np.int64)
-    regions, rows, count = 0, 0, 0
+    regions, rows, count = np.int64(0), np.int64(0), np.int64(0)  # not literals: kernels would be compiled for each
     for number in range(len(sets)):
         active = _members(sets[number])
         answer, v, Qt, R, centre, own_N, own_h, source, shared, own_points, unjudged = _explore_one(

@@ -88,18 +88,19 @@ class Beyond:
                 continue
             if point.status is not PointStatus.OPTIMAL:
                 return Verdict.OPEN, None
-            home, stored = self._home(point.active, s)
+            home, explored = self._home(point.active, s)
             if home < 0:
-                return Verdict.OPEN, None if stored else (point.active, s)
+                return Verdict.OPEN, None if explored else (point.active, s)
             covers.append(self.atlas.rows(home))
             verdict = Verdict.REGIONS
         return Verdict.SAMPLED, None
 
     def _home(self, active: tuple[int, ...], s: Vector) -> tuple[int, bool]:
-        """Stored region that holds a point, and whether the one of its active set is stored or is none."""
-        number = find(self.frontier.table, self.frontier.sets, self.frontier.row(active))
-        region = int(self.atlas.region_of[number]) if 0 <= number < len(self.atlas.region_of) else -1
-        return self.atlas.home(s, region, 10 * self.settings.radius), number >= 0
+        """Stored region that holds a point, and whether the given active set has been explored."""
+        number = int(find(self.frontier.table, self.frontier.sets, self.frontier.row(active)))
+        explored = 0 <= number < len(self.atlas.region_of)
+        first = int(self.atlas.region_of[number]) if explored else -1
+        return self.atlas.home(s, first, 10 * self.settings.radius), explored
 
     def _strip(self, row: int) -> tuple[Rows, float]:
         """The facet moved outwards, thin in that direction and kept away from its edges."""

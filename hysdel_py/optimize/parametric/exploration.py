@@ -120,8 +120,6 @@ class Exploration:
             return stop
         for batch in self._results():
             self._merge(batch)
-            if self.progress is not None:
-                self.progress(self.found, self.frontier.count - self.explored)
             stop = self._limit()
             if stop is not None:
                 return stop
@@ -136,6 +134,8 @@ class Exploration:
         self.explored += len(batch.status)
         self.found += len(batch.facets)
         self.unclear += int(np.sum(batch.status == UNCLEAR))
+        if self.progress is not None:
+            self.progress(self.found, self.frontier.count - self.explored)
 
     def _limit(self) -> Stop | None:
         if self.found >= self.settings.regions:

@@ -42,21 +42,21 @@ def inner_point_in(
     N: Any, h: Any, m: int, guess: Any, margins: Any, x: Any, work: Any, violation: float, angle: float
 ) -> int:
     """The same among the first m rows, with the point in a given array."""
-    x[:] = guess
-    status, _ = nearest_in(N, h, m, margins[0], x, work, violation, angle)
-    if status == FOUND or len(margins) == 1:
-        return status
-    x[:] = guess
-    status, _ = nearest_in(N, h, m, margins[-1], x, work, violation, angle)
-    if status != FOUND:
-        return status
-    for place in range(1, len(margins) - 1):
+    last, least = len(margins) - 1, guess.copy()
+    for attempt in range(len(margins)):
+        place = attempt - 1
+        if attempt < 2:
+            place = attempt * last
         x[:] = guess
         status, _ = nearest_in(N, h, m, margins[place], x, work, violation, angle)
-        if status == FOUND:
+        if attempt == 1:
+            if status != FOUND:
+                return status
+            least[:] = x
+        elif status == FOUND or last == 0:
             return status
-    x[:] = guess
-    return nearest_in(N, h, m, margins[-1], x, work, violation, angle)[0]
+    x[:] = least
+    return FOUND
 
 
 @compiled
@@ -104,7 +104,7 @@ def facets(N: Any, h: Any, centre: Any, margin: float, violation: float, angle: 
     speed = np.empty(m)
     is_facet, points = np.zeros(m, dtype=np.bool_), np.zeros((m, n))
     known, sides = np.empty((m + 1, n)), np.empty(m + 1)
-    count = 0
+    count = np.int64(0)  # not a literal: kernels would be compiled for it
     for row in range(m):
         hit = first_hit(N, slack, m, N[row], margin, speed)
         if hit >= 0 and not is_facet[hit]:
@@ -188,7 +188,7 @@ def _judge(
     angle: float,
 ) -> int:  # fmt: skip
     """The row with a point of its facet in x, or -1 if it has none, -2 if that could not be found out."""
-    rows, sides, count = np.empty(N.shape), np.empty(len(h)), 0
+    rows, sides, count = np.empty(N.shape), np.empty(len(h)), np.int64(0)
     for other in range(len(h)):
         if other == row:
             rows[count], sides[count] = -N[row], -h[row]

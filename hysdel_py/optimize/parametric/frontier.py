@@ -58,10 +58,6 @@ class Frontier:
         row[: len(active)] = active
         return row
 
-    def knows(self, active: tuple[int, ...]) -> bool:
-        """Whether a set has been met."""
-        return bool(find(self.table, self.sets, self.row(active)) >= 0)
-
 
 @compiled
 def find(table: Any, sets: Any, row: Any) -> int:

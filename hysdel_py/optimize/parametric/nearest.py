@@ -79,7 +79,7 @@ def nearest_in(N: Any, h: Any, m: int, margin: float, x: Any, work: Any, violati
         `k` is the number of active rows.
     """
     Qt, R, active, u, d, r = work
-    n, k = len(x), 0
+    n, k, none = len(x), np.int64(0), np.int64(-1)  # not literals: kernels would be compiled for each
     Qt[:] = 0.0
     for i in range(n):
         Qt[i, i] = 1.0
@@ -92,7 +92,7 @@ def nearest_in(N: Any, h: Any, m: int, margin: float, x: Any, work: Any, violati
         while True:
             rest = turned(Qt, N[entering], k, d)
             back_substituted(R, d, k, r)
-            step, leaving = np.inf, -1
+            step, leaving = np.inf, none
             for i in range(k):
                 if r[i] > _NOTHING and u[i] < step * r[i]:
                     step, leaving = u[i] / r[i], i

@@ -57,13 +57,13 @@ def _entering(M: Any, active: Any, row: int, factors: Any, tolerance: float, set
     k = len(active)
     if turned(Qt, M[row], k, d) > tolerance * tolerance:
         sets = doubled(sets, count)
-        sorted_with(active, -1, row, sets[count])
+        sorted_with(active, len(active), row, len(M), sets[count])
         return sets, count + 1
     back_substituted(R, d, k, weights)
     for place in range(k):
         if weights[place] > tolerance:
             sets = doubled(sets, count)
-            sorted_with(active, place, row, sets[count])
+            sorted_with(active, place, row, len(M), sets[count])
             count += 1
     return sets, count
 
@@ -76,7 +76,7 @@ def _leaving(M: Any, free: int, active: Any, place: int, tolerance: float, sets:
         if not fixed:
             return _blocking(M, active, place, direction, tolerance, sets, count)
     sets = doubled(sets, count)
-    sorted_with(active, place, -1, sets[count])
+    sorted_with(active, place, len(M), len(M), sets[count])
     return sets, count + 1
 
 
@@ -84,7 +84,7 @@ def _leaving(M: Any, free: int, active: Any, place: int, tolerance: float, sets:
 def _loose_direction(M: Any, free: int, active: Any, place: int, tolerance: float) -> Any:
     """A direction of v2 that the other active rows leave free, and whether there is none."""
     flat = M.shape[1] - free
-    Qt, R, d, rank = np.eye(free), np.zeros((free, free)), np.empty(free), 0
+    Qt, R, d, rank = np.eye(free), np.zeros((free, free)), np.empty(free), np.int64(0)
     for other in range(len(active)):
         if other != place and rank < free:
             rest = turned(Qt, M[active[other], flat:].copy(), rank, d)
@@ -105,15 +105,18 @@ def _blocking(M: Any, active: Any, place: int, direction: Any, tolerance: float,
     for row in range(len(M)):
         if speed[row] > tolerance:
             sets = doubled(sets, count)
-            sorted_with(active, place, row, sets[count])
+            sorted_with(active, place, row, len(M), sets[count])
             count += 1
     return sets, count
 
 
 @compiled
-def sorted_with(active: Any, without: int, row: int, out: Any) -> None:
-    """An active set without one place and with one row more; -1 for either means none."""
-    count, waiting = 0, row >= 0
+def sorted_with(active: Any, without: int, row: int, last: int, out: Any) -> None:
+    """An active set without one place and with one row more.
+
+    The place ``len(active)`` and rows from `last` on mean none.
+    """
+    count, waiting = 0, row < last
     for place in range(len(active)):
         if place == without:
             continue

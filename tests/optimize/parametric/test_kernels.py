@@ -10,7 +10,8 @@ from hypothesis import strategies as st
 from hysdel_py.geometry.polyhedron import Polyhedron
 from hysdel_py.optimize.parametric.cover import uncovered_point
 from hysdel_py.optimize.parametric.facets import facets, inner_point, same_rows
-from hysdel_py.optimize.parametric.factor import append, factor, remove, solve_lower, solve_upper
+from hysdel_py.optimize.parametric.factor import append, factor, remove
+from hysdel_py.optimize.parametric.vectors import solve_lower, solve_upper
 from hysdel_py.optimize.parametric.nearest import FOUND, NONE, nearest
 from hysdel_py.optimize.parametric.settings import MpQpSettings
 
@@ -53,8 +54,11 @@ def test_the_factor_stops_at_a_dependent_row():
 def test_triangular_systems():
     R = np.triu(np.random.default_rng(0).normal(size=(4, 4))) + 3 * np.eye(4)
     right = np.ones((4, 2))
-    assert np.allclose(R @ solve_upper(R, 4, right), right)
-    assert np.allclose(R.T @ solve_lower(R, 4, right), right)
+    upper, lower = right.copy(), right.copy()
+    solve_upper(R, 4, upper)
+    solve_lower(R, 4, lower)
+    assert np.allclose(R @ upper, right)
+    assert np.allclose(R.T @ lower, right)
 
 
 @settings(max_examples=60, deadline=None)

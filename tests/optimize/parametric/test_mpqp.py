@@ -6,6 +6,7 @@ import os
 import subprocess
 import sys
 from concurrent.futures import Future, ThreadPoolExecutor
+from dataclasses import replace
 from itertools import combinations
 from pathlib import Path
 
@@ -18,7 +19,7 @@ from hysdel_py.errors import ArgumentError
 from hysdel_py.geometry.polyhedron import Polyhedron
 from hysdel_py.optimize.compiled import kernels_are_compiled
 from hysdel_py.optimize.mpqp import MpQp, MpQpSettings, solve_mpqp
-from hysdel_py.optimize.parametric import records
+from hysdel_py.optimize.parametric import exploration
 from hysdel_py.optimize.parametric.exploration import Stop
 
 QUICK = ("a_di_N2", "a_di_N3", "a_di_N5", "c_pend_N3", "d_afti_N2", "e_rnd0_z3t2", "e_rnd1_z4t2", "f_thesis",
@@ -41,7 +42,14 @@ def test_a_thorough_look_beyond_every_facet_finds_nothing_more(name):
 
 
 def test_a_region_that_exchange_misses_is_found_beyond_a_facet(monkeypatch):
-    monkeypatch.setattr(records, "sets_beyond", lambda form, active, source, tolerance: [((),)] * len(source))
+    whole = exploration.explore_chunk
+
+    def without_candidates(*arguments):
+        batch = whole(*arguments)
+        batch.kinds[:, 2] = 0
+        return replace(batch, candidates=batch.candidates[:0])
+
+    monkeypatch.setattr(exploration, "explore_chunk", without_candidates)
     solution = solve_mpqp(benchmark("a_di_N3")[0], MpQpSettings(thorough=True))
     assert len(solution.regions) == EXPECTED["a_di_N3"]
     assert solution.complete
