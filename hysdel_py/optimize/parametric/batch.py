@@ -66,14 +66,21 @@ class Batch:
 
     def first(self, sets: int) -> Batch:
         """The part about the first active sets."""
+        if sets >= len(self.status):
+            return self
         regions = int(np.sum(self.status[:sets] == REGION))
         rows = int(self.facets[:regions].sum())
-        candidates = int(self.kinds[:rows, 2].sum())
         return Batch(
             self.status[:sets],
-            *(part[:regions] for part in (self.laws, self.centres, self.facets, self.lost)),
-            *(part[:rows] for part in (self.N, self.h, self.points, self.kinds)),
-            self.candidates[:candidates],
+            self.laws[:regions],
+            self.centres[:regions],
+            self.facets[:regions],
+            self.lost[:regions],
+            self.N[:rows],
+            self.h[:rows],
+            self.points[:rows],
+            self.kinds[:rows],
+            self.candidates[: int(self.kinds[:rows, 2].sum())],
         )
 
 
@@ -104,7 +111,8 @@ def _explore(M: Any, b: Any, c: Any, domain: Any, sets: Any, guesses: Any, margi
     room = 16 * len(sets)
     N, h, points = np.empty((room, p)), np.empty(room), np.empty((room, p))
     kinds, candidates = np.empty((room, 3), dtype=np.int64), np.empty((room, n), dtype=np.int64)
-    regions, rows, count = np.int64(0), np.int64(0), np.int64(0)  # not literals: kernels would be compiled for each
+    regions: Any = np.int64(0)  # not a literal: kernels would be compiled for it
+    rows, count = regions, regions
     for number in range(len(sets)):
         active = _members(sets[number])
         answer, v, Qt, R, centre, own_N, own_h, source, shared, own_points, unjudged = _explore_one(
@@ -123,9 +131,7 @@ def _explore(M: Any, b: Any, c: Any, domain: Any, sets: Any, guesses: Any, margi
             N[rows], h[rows], points[rows] = own_N[facet], own_h[facet], own_points[facet]
             before = count
             if source[facet] >= 0:
-                candidates, count = sets_beyond(
-                    M, len(c), active, source[facet], factors, exchange, candidates, count
-                )
+                candidates, count = sets_beyond(M, len(c), active, source[facet], factors, exchange, candidates, count)
             kinds[rows, 0], kinds[rows, 1], kinds[rows, 2] = source[facet], shared[facet], count - before
             rows += 1
     return (

@@ -115,9 +115,7 @@ class Beyond:
 
 
 @compiled
-def _strip(
-    N: Any, h: Any, facet: int, point: Any, domain: Any, margins: Any, violation: float, angle: float
-) -> Any:
+def _strip(N: Any, h: Any, facet: int, point: Any, domain: Any, margins: Any, violation: float, angle: float) -> Any:
     """Rows and sides of the strip beyond a facet, and the distance that it keeps from the edges."""
     f, n = N.shape
     rows, sides = np.empty((f + 1 + len(domain), n)), np.empty(f + 1 + len(domain))

@@ -42,13 +42,11 @@ def uncovered_point(rows: Rows, covers: Sequence[Rows], margin: float, settings:
 
 
 @compiled
-def _uncovered(
-    N: Any, h: Any, cuts: Any, ends: Any, starts: Any, margin: float, violation: float, angle: float
-) -> Any:
+def _uncovered(N: Any, h: Any, cuts: Any, ends: Any, starts: Any, margin: float, violation: float, angle: float) -> Any:
     """Whether there is an uncovered point, and the point."""
     margins, work, x, start = np.full(1, margin), workspace(N.shape[1]), np.empty(N.shape[1]), np.zeros(N.shape[1])
     pending = [(N, h, 0)]
-    while len(pending):
+    while pending:
         rows, sides, number = pending.pop()
         if inner_point_in(rows, sides, len(sides), start, margins, x, work, violation, angle) != FOUND:
             continue

@@ -66,6 +66,7 @@ class Exploration:
     unclear: int = 0
     points: int = 0
     verdicts: dict[int, Verdict] = field(default_factory=dict)
+    _stacked: tuple[int, Atlas | None] = (0, None)
 
     def __post_init__(self) -> None:
         self.frontier = Frontier.empty(self.form.n, self.form.p)
@@ -80,10 +81,10 @@ class Exploration:
     @property
     def atlas(self) -> Atlas | None:
         """What has been found; None before the first region."""
-        if not self.found:
-            return None
-        batches, links = zip(*self.batches, strict=True)
-        return Atlas.of(batches, links, self.frontier.count)
+        if self._stacked[0] != len(self.batches):
+            batches, links = zip(*self.batches, strict=True)
+            self._stacked = len(self.batches), Atlas.of(batches, links, self.frontier.count)
+        return self._stacked[1]
 
     def _run(self) -> Stop:
         if not self._find_first():

@@ -20,6 +20,9 @@ __all__ = ["facets", "inner_point", "inner_point_in", "same_rows"]
 _ANGLE = 1e-8
 """Rows of a corner that are closer to dependence prove nothing."""
 
+_UNKNOWN = -2
+"""A row that could not be judged."""
+
 
 @compiled
 def inner_point(N: Any, h: Any, guess: Any, margins: Any, violation: float, angle: float) -> Any:
@@ -40,7 +43,7 @@ def inner_point(N: Any, h: Any, guess: Any, margins: Any, violation: float, angl
 @compiled
 def inner_point_in(
     N: Any, h: Any, m: int, guess: Any, margins: Any, x: Any, work: Any, violation: float, angle: float
-) -> int:
+) -> Any:
     """The same among the first m rows, with the point in a given array."""
     last, least = len(margins) - 1, guess.copy()
     for attempt in range(len(margins)):
@@ -104,7 +107,7 @@ def facets(N: Any, h: Any, centre: Any, margin: float, violation: float, angle: 
     speed = np.empty(m)
     is_facet, points = np.zeros(m, dtype=np.bool_), np.zeros((m, n))
     known, sides = np.empty((m + 1, n)), np.empty(m + 1)
-    count = np.int64(0)  # not a literal: kernels would be compiled for it
+    count: Any = np.int64(0)  # not a literal: kernels would be compiled for it
     for row in range(m):
         hit = first_hit(N, slack, m, N[row], margin, speed)
         if hit >= 0 and not is_facet[hit]:
@@ -115,11 +118,7 @@ def facets(N: Any, h: Any, centre: Any, margin: float, violation: float, angle: 
     lost = 0
     for row in range(m):
         while open_rows[row]:
-            for i in range(n):
-                known[count, i] = -N[row, i]
-            sides[count] = -h[row]
-            x[:] = centre
-            status, k = nearest_in(known, sides, count + 1, 0.0, x, work, violation, angle)
+            status, k = _against_known(known, sides, count, N[row], h[row], centre, x, work, violation, angle)
             if status == NONE:
                 open_rows[row] = False
                 if k == n + 1:
@@ -127,8 +126,7 @@ def facets(N: Any, h: Any, centre: Any, margin: float, violation: float, angle: 
                 break
             hit = -1
             if status == FOUND:
-                for i in range(n):
-                    ray[i] = x[i] - centre[i]
+                ray[:] = x - centre
                 hit = first_hit(N, slack, m, ray, margin, speed)
             if hit >= 0 and not is_facet[hit]:
                 _enter(hit, centre, ray, slack[hit] / speed[hit], is_facet, points)
@@ -137,14 +135,25 @@ def facets(N: Any, h: Any, centre: Any, margin: float, violation: float, angle: 
                 hit = _judge(N, h, x, row, open_rows, is_facet, margin, work, violation, angle)
                 if hit >= 0:
                     _enter(hit, x, x, 0.0, is_facet, points)
+            lost += hit == _UNKNOWN
+            open_rows[row if hit < 0 else hit] = False
             if hit >= 0:
-                open_rows[hit] = False
                 known[count], sides[count] = N[hit], h[hit] - margin
                 count += 1
-            else:
-                lost -= hit + 1
-                open_rows[row] = False
     return is_facet, points, lost
+
+
+@compiled
+def _against_known(
+    known: Any, sides: Any, count: int, normal: Any, side: float, centre: Any, x: Any, work: Any, violation: float,
+    angle: float,
+) -> Any:  # fmt: skip
+    """The nearest point where a row is met and the known facets are kept."""
+    for i in range(len(normal)):
+        known[count, i] = -normal[i]
+    sides[count] = -side
+    x[:] = centre
+    return nearest_in(known, sides, count + 1, 0.0, x, work, violation, angle)
 
 
 @compiled
@@ -187,8 +196,9 @@ def _judge(
     N: Any, h: Any, x: Any, row: int, open_rows: Any, is_facet: Any, margin: float, work: Any, violation: float,
     angle: float,
 ) -> int:  # fmt: skip
-    """The row with a point of its facet in x, or -1 if it has none, -2 if that could not be found out."""
-    rows, sides, count = np.empty(N.shape), np.empty(len(h)), np.int64(0)
+    """The row with a point of its facet in x, or -1 if it has none, _UNKNOWN if that could not be found out."""
+    rows, sides = np.empty(N.shape), np.empty(len(h))
+    count: Any = np.int64(0)
     for other in range(len(h)):
         if other == row:
             rows[count], sides[count] = -N[row], -h[row]
@@ -199,4 +209,4 @@ def _judge(
     status, _ = nearest_in(rows, sides, count, 0.0, x, work, violation, angle)
     if status == FOUND:
         return row
-    return -1 if status == NONE else -2
+    return -1 if status == NONE else _UNKNOWN

@@ -103,7 +103,7 @@ def _place(table: Any, sets: Any, row: Any) -> int:
 
 @compiled
 def _differ(sets: Any, number: int, row: Any) -> bool:
-    for i in range(len(row)):
-        if sets[number, i] != row[i]:
-            return True
-    return False
+    place = 0
+    while place < len(row) and sets[number, place] == row[place]:
+        place += 1
+    return place < len(row)

@@ -79,7 +79,8 @@ def nearest_in(N: Any, h: Any, m: int, margin: float, x: Any, work: Any, violati
         `k` is the number of active rows.
     """
     Qt, R, active, u, d, r = work
-    n, k, none = len(x), np.int64(0), np.int64(-1)  # not literals: kernels would be compiled for each
+    n = len(x)
+    k: Any = np.int64(0)  # not a literal: kernels would be compiled for each
     Qt[:] = 0.0
     for i in range(n):
         Qt[i, i] = 1.0
@@ -92,10 +93,7 @@ def nearest_in(N: Any, h: Any, m: int, margin: float, x: Any, work: Any, violati
         while True:
             rest = turned(Qt, N[entering], k, d)
             back_substituted(R, d, k, r)
-            step, leaving = np.inf, none
-            for i in range(k):
-                if r[i] > _NOTHING and u[i] < step * r[i]:
-                    step, leaving = u[i] / r[i], i
+            step, leaving = _longest_dual_step(u, r, k)
             full = np.inf
             if k < n and rest > angle * angle:
                 full = excess / rest
@@ -120,3 +118,13 @@ def nearest_in(N: Any, h: Any, m: int, margin: float, x: Any, work: Any, violati
                 active[i], u[i] = active[i + 1], u[i + 1]
             k -= 1
     return LOST, k
+
+
+@compiled
+def _longest_dual_step(u: Any, r: Any, k: int) -> Any:
+    """How far the multipliers may go along -r, and the place that becomes zero then."""
+    step, leaving = np.inf, k
+    for i in range(k):
+        if r[i] > _NOTHING and u[i] < step * r[i]:
+            step, leaving = u[i] / r[i], i
+    return step, leaving

@@ -84,7 +84,8 @@ def _leaving(M: Any, free: int, active: Any, place: int, tolerance: float, sets:
 def _loose_direction(M: Any, free: int, active: Any, place: int, tolerance: float) -> Any:
     """A direction of v2 that the other active rows leave free, and whether there is none."""
     flat = M.shape[1] - free
-    Qt, R, d, rank = np.eye(free), np.zeros((free, free)), np.empty(free), np.int64(0)
+    Qt, R, d = np.eye(free), np.zeros((free, free)), np.empty(free)
+    rank: Any = np.int64(0)
     for other in range(len(active)):
         if other != place and rank < free:
             rest = turned(Qt, M[active[other], flat:].copy(), rank, d)

@@ -231,10 +231,10 @@ blend = either(_blend_loops, _blend_arrays)
 
 
 def _differs_loops(N: Any, row: int, other: int, tolerance: float) -> bool:
+    most = 0.0
     for j in range(N.shape[1]):
-        if abs(N[row, j] - N[other, j]) > tolerance:
-            return True
-    return False
+        most = max(most, abs(N[row, j] - N[other, j]))
+    return most > tolerance
 
 
 def _differs_arrays(N: Any, row: int, other: int, tolerance: float) -> bool:

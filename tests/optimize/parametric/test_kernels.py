@@ -11,9 +11,9 @@ from hysdel_py.geometry.polyhedron import Polyhedron
 from hysdel_py.optimize.parametric.cover import uncovered_point
 from hysdel_py.optimize.parametric.facets import facets, inner_point, same_rows
 from hysdel_py.optimize.parametric.factor import append, factor, remove
-from hysdel_py.optimize.parametric.vectors import solve_lower, solve_upper
 from hysdel_py.optimize.parametric.nearest import FOUND, NONE, nearest
 from hysdel_py.optimize.parametric.settings import MpQpSettings
+from hysdel_py.optimize.parametric.vectors import solve_lower, solve_upper
 
 SEEDS = st.integers(0, 10_000)
 
