@@ -5,13 +5,14 @@ from __future__ import annotations
 import os
 import subprocess
 import sys
-from concurrent.futures import Future, ThreadPoolExecutor
+from concurrent.futures import Future, ProcessPoolExecutor, ThreadPoolExecutor
 from dataclasses import replace
 from itertools import combinations
 from pathlib import Path
 
 import numpy as np
 import pytest
+from degenerate import KINDS, swept
 from problems import EXPECTED, FACTS, benchmark, boxed, fact, of_random_numbers, of_small_integers
 
 from hysdel_py.control.explicit_law import ExplicitLaw
@@ -185,18 +186,93 @@ class Backwards:
         return self.values[id(future)]
 
 
-def test_the_answer_does_not_depend_on_the_executor():
-    problem, _ = benchmark("e_rnd0_z3t2")
+def contents(solution):
+    """All bytes of a map."""
+    return [
+        (
+            region.active,
+            region.r,
+            *(getattr(region, name).tobytes() for name in ("A", "b", "K", "k", "P", "q", "centre")),
+        )
+        for region in solution.regions
+    ]
+
+
+@pytest.mark.parametrize("problem", [benchmark("e_rnd0_z3t2")[0], of_small_integers(8, "semidefinite")])
+def test_the_answer_does_not_depend_on_the_executor(problem):
     settings = MpQpSettings(chunk=2)
-    alone = solve_mpqp(problem, settings)
-    with ThreadPoolExecutor(2) as pool:
-        others = [solve_mpqp(problem, settings, executor=executor) for executor in (pool, Backwards())]
-    for other in others:
-        assert other.complete
-        for a, b in zip(alone.regions, other.regions, strict=True):
-            assert a.active == b.active
-            assert a.A.tobytes() == b.A.tobytes()
-            assert a.K.tobytes() == b.K.tobytes()
+    alone = contents(solve_mpqp(problem, settings))
+    assert contents(solve_mpqp(problem)) == alone
+    with ThreadPoolExecutor(2) as threads, ProcessPoolExecutor(2) as processes:
+        for executor in (threads, processes, Backwards()):
+            other = solve_mpqp(problem, settings, executor=executor)
+            assert other.complete
+            assert contents(other) == alone
+
+
+class Lazy:
+    """An executor that runs a task when its result is asked for, and notes what is cancelled."""
+
+    def __init__(self):
+        self.cancelled = 0
+
+    def submit(self, function, *arguments):
+        future = Future()
+        future.result = lambda timeout=None: function(*arguments)
+        future.cancel = self.cancel
+        return future
+
+    def cancel(self):
+        self.cancelled += 1
+
+
+def test_a_limit_stops_an_executor_at_the_same_map():
+    settings, executor = MpQpSettings(regions=7, chunk=1), Lazy()
+    problem, _ = benchmark("e_rnd1_z4t2")
+    solution = solve_mpqp(problem, settings, executor=executor)
+    assert solution.stop is Stop.REGIONS
+    assert not solution.complete
+    assert executor.cancelled > 0
+    assert (
+        contents(solution)
+        == contents(solve_mpqp(problem, settings))
+        == contents(solve_mpqp(problem, replace(settings, chunk=50)))
+    )
+
+
+def test_progress_counts_up_to_all_regions():
+    calls = []
+    solution = solve_mpqp(benchmark("e_rnd1_z4t2")[0], progress=lambda found, waiting: calls.append((found, waiting)))
+    found = [call[0] for call in calls]
+    assert found == sorted(found)
+    assert calls[-1] == (len(solution.regions), 0)
+
+
+def test_more_rows_than_bits_of_a_word():
+    problem, _ = benchmark("e_rnd0_z3t2")
+    rng = np.random.default_rng(0)
+    weak = rng.uniform(1.0, 2.0, (200, 1)) * problem.G[rng.integers(0, problem.m, 200)]
+    far = MpQp(problem.H, problem.f, problem.F, np.vstack([problem.G, weak, np.tile(rng.normal(size=(150, 3)), 1)]),
+               np.concatenate([problem.w, np.full(200, 1e3), np.full(150, 30.0)]),
+               np.vstack([problem.S, np.zeros((350, 2))]), problem.theta)  # fmt: skip
+    solution = solve_mpqp(far)
+    assert far.m > 256
+    assert [region.active for region in solution.regions] == [region.active for region in solve_mpqp(problem).regions]
+
+
+def test_many_rows_that_all_matter():
+    angles = np.linspace(0, 2 * np.pi, 200, endpoint=False)
+    circle = np.column_stack([np.cos(angles), np.sin(angles)])
+    solution = solve_mpqp(boxed(EYE, -EYE, circle, np.ones(200), size=2.0))
+    assert solution.complete
+    assert len(solution.regions) == 401
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_a_sweep_over_degenerate_problems_finds_nothing_wrong(kind):
+    counts = swept(kind, range(100, 108), 20)
+    assert counts.clean, counts
+    assert counts.regions > 8
 
 
 def test_a_limit_leaves_a_partial_map():
