@@ -5,7 +5,6 @@ from __future__ import annotations
 import os
 import subprocess
 import sys
-from concurrent.futures import Future, ProcessPoolExecutor, ThreadPoolExecutor
 from dataclasses import replace
 from itertools import combinations
 from pathlib import Path
@@ -21,7 +20,6 @@ from hysdel_py.geometry.polyhedron import Polyhedron
 from hysdel_py.optimize.compiled import kernels_are_compiled
 from hysdel_py.optimize.mpqp import MpQp, MpQpSettings, solve_mpqp
 from hysdel_py.optimize.parametric import exploration
-from hysdel_py.optimize.parametric.exploration import Stop
 
 QUICK = ("a_di_N2", "a_di_N3", "a_di_N5", "c_pend_N3", "d_afti_N2", "e_rnd0_z3t2", "e_rnd1_z4t2", "f_thesis",
          "g_ahmadi_ex2", "g_bemporad02")  # fmt: skip
@@ -167,87 +165,6 @@ def test_random_problems_full_of_coincidences(kind, seed):
     assert ExplicitLaw.of(solution).certificate(problem, 30, seed).holds()
 
 
-class Backwards:
-    """An executor that runs the last submitted task first."""
-
-    def __init__(self):
-        self.pending = []
-
-    def submit(self, function, *arguments):
-        future = Future()
-        future.result = lambda timeout=None: self.value(future)
-        self.pending.append((future, function, arguments))
-        self.values = {}
-        return future
-
-    def value(self, future):
-        for other, function, arguments in reversed(self.pending):
-            self.values.setdefault(id(other), function(*arguments))
-        return self.values[id(future)]
-
-
-def contents(solution):
-    """All bytes of a map."""
-    return [
-        (
-            region.active,
-            region.r,
-            *(getattr(region, name).tobytes() for name in ("A", "b", "K", "k", "P", "q", "centre")),
-        )
-        for region in solution.regions
-    ]
-
-
-@pytest.mark.parametrize("problem", [benchmark("e_rnd0_z3t2")[0], of_small_integers(8, "semidefinite")])
-def test_the_answer_does_not_depend_on_the_executor(problem):
-    settings = MpQpSettings(chunk=2)
-    alone = contents(solve_mpqp(problem, settings))
-    assert contents(solve_mpqp(problem)) == alone
-    with ThreadPoolExecutor(2) as threads, ProcessPoolExecutor(2) as processes:
-        for executor in (threads, processes, Backwards()):
-            other = solve_mpqp(problem, settings, executor=executor)
-            assert other.complete
-            assert contents(other) == alone
-
-
-class Lazy:
-    """An executor that runs a task when its result is asked for, and notes what is cancelled."""
-
-    def __init__(self):
-        self.cancelled = 0
-
-    def submit(self, function, *arguments):
-        future = Future()
-        future.result = lambda timeout=None: function(*arguments)
-        future.cancel = self.cancel
-        return future
-
-    def cancel(self):
-        self.cancelled += 1
-
-
-def test_a_limit_stops_an_executor_at_the_same_map():
-    settings, executor = MpQpSettings(regions=7, chunk=1), Lazy()
-    problem, _ = benchmark("e_rnd1_z4t2")
-    solution = solve_mpqp(problem, settings, executor=executor)
-    assert solution.stop is Stop.REGIONS
-    assert not solution.complete
-    assert executor.cancelled > 0
-    assert (
-        contents(solution)
-        == contents(solve_mpqp(problem, settings))
-        == contents(solve_mpqp(problem, replace(settings, chunk=50)))
-    )
-
-
-def test_progress_counts_up_to_all_regions():
-    calls = []
-    solution = solve_mpqp(benchmark("e_rnd1_z4t2")[0], progress=lambda found, waiting: calls.append((found, waiting)))
-    found = [call[0] for call in calls]
-    assert found == sorted(found)
-    assert calls[-1] == (len(solution.regions), 0)
-
-
 def test_more_rows_than_bits_of_a_word():
     problem, _ = benchmark("e_rnd0_z3t2")
     rng = np.random.default_rng(0)
@@ -273,30 +190,6 @@ def test_a_sweep_over_degenerate_problems_finds_nothing_wrong(kind):
     counts = swept(kind, range(100, 108), 20)
     assert counts.clean, counts
     assert counts.regions > 8
-
-
-def test_a_limit_leaves_a_partial_map():
-    solution = solve_mpqp(benchmark("e_rnd1_z4t2")[0], MpQpSettings(regions=10))
-    assert not solution.complete
-    assert solution.stop is Stop.REGIONS
-    assert len(solution.regions) == 10
-    assert not ExplicitLaw.of(solution).complete
-    assert solve_mpqp(benchmark("e_rnd1_z4t2")[0], MpQpSettings(seconds=1e-9)).stop is Stop.SECONDS
-
-
-def test_an_interrupt_leaves_a_partial_map():
-    calls = []
-
-    def progress(found, waiting):
-        calls.append((found, waiting))
-        if len(calls) == 3:
-            raise KeyboardInterrupt
-
-    solution = solve_mpqp(benchmark("e_rnd1_z4t2")[0], progress=progress)
-    assert solution.stop is Stop.INTERRUPTED
-    assert not solution.complete
-    assert 0 < len(solution.regions) < EXPECTED["e_rnd1_z4t2"]
-    assert calls[0][0] == 1
 
 
 def test_an_infeasible_problem_has_an_empty_map():
