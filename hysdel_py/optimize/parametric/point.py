@@ -29,6 +29,9 @@ class PointStatus(Enum):
     UNCLEAR = "numerical trouble"
 
 
+_STATUS = {FOUND: PointStatus.OPTIMAL, NONE: PointStatus.INFEASIBLE}
+
+
 @dataclass(frozen=True, eq=False, slots=True)
 class Point:
     """Answer at one theta.
@@ -67,8 +70,10 @@ def solve_at(form: Canonical, s: Vector, settings: MpQpSettings) -> Point:
     Of several solutions the one that the cost of ties prefers is taken.
     """
     sides = form.b @ np.concatenate([[1.0], s, [settings.tie]])
-    slope = form.c[:, :-1] @ np.concatenate([[1.0], s])
-    answer = _proximal_steps(form.M, sides, slope, settings)
+    if form.free:
+        answer = _proximal_steps(form.M, sides, form.c[:, :-1] @ np.concatenate([[1.0], s]), settings)
+    else:
+        answer = _nearest(form.M, sides, settings)
     active: list[int] = answer.active.tolist()
     if answer.status is PointStatus.OPTIMAL and form.free:
         active = _corner(form, answer, sides, settings)
@@ -76,11 +81,15 @@ def solve_at(form: Canonical, s: Vector, settings: MpQpSettings) -> Point:
     return Point(answer.status, answer.v, tuple(sorted(active)), np.asarray(ray))
 
 
-def _proximal_steps(M: NDArray[np.float64], sides: Vector, slope: Vector, settings: MpQpSettings) -> _Answer:
-    """Steps ``min 1/2|v1|^2 + c'v2 + |v2 - v2_k|^2 / (2 t)`` for the last variables, with v2 in units of sqrt(t).
+def _nearest(M: NDArray[np.float64], sides: Vector, settings: MpQpSettings) -> _Answer:
+    """Without v2 the point nearest to zero is the answer."""
+    v0 = np.zeros(M.shape[1])
+    status, v, active, multipliers = nearest(M.copy(), sides, v0, settings.violation, settings.angle)
+    return _Answer(_STATUS.get(status, PointStatus.UNCLEAR), v, active, multipliers)
 
-    Without v2 the first step is the answer.
-    """
+
+def _proximal_steps(M: NDArray[np.float64], sides: Vector, slope: Vector, settings: MpQpSettings) -> _Answer:
+    """Steps ``min 1/2|v1|^2 + c'v2 + |v2 - v2_k|^2 / (2 t)`` for the last variables, with v2 in units of sqrt(t)."""
     n, curved = M.shape[1], M.shape[1] - len(slope)
     unit = np.ones(n)
     unit[curved:] = np.sqrt(_STRIDE / max(float(np.linalg.norm(slope)), _SMALL))
@@ -96,8 +105,7 @@ def _proximal_steps(M: NDArray[np.float64], sides: Vector, slope: Vector, settin
         moved = np.abs(fixed * (x - at)).max(initial=0.0)
         at = x
         if status != FOUND or moved <= _STILL * (1.0 + np.abs(at).max(initial=0.0)):
-            known = {FOUND: PointStatus.OPTIMAL, NONE: PointStatus.INFEASIBLE}.get(status, PointStatus.UNCLEAR)
-            return _Answer(known, at * unit, active, multipliers / length[active])
+            return _Answer(_STATUS.get(status, PointStatus.UNCLEAR), at * unit, active, multipliers / length[active])
         if np.abs(at).max() > _FAR:
             return _Answer(PointStatus.UNBOUNDED, at * unit, active[:0], multipliers[:0])
     return _Answer(PointStatus.UNCLEAR, at * unit, active[:0], multipliers[:0])
