@@ -11,7 +11,7 @@ from hysdel_py.optimize.parametric.facets import inner_point
 from hysdel_py.optimize.parametric.nearest import FOUND
 from hysdel_py.optimize.parametric.settings import MpQpSettings
 
-__all__ = ["Rows", "point_inside", "uncovered_point"]
+__all__ = ["Rows", "parts_outside", "point_inside", "uncovered_point"]
 
 Vector = NDArray[np.float64]
 Rows = tuple[NDArray[np.float64], Vector]
@@ -42,7 +42,7 @@ def uncovered_point(rows: Rows, covers: Sequence[Rows], margin: float, settings:
         if _apart(piece, covers[number], margin, point, settings):
             pending.append((piece, number + 1))
         else:
-            pending += [(part, number + 1) for part in _outside(piece, covers[number])]
+            pending += [(part, number + 1) for part in parts_outside(piece, covers[number])]
     return None
 
 
@@ -52,7 +52,8 @@ def _apart(rows: Rows, cover: Rows, margin: float, point: Vector, settings: MpQp
     return point_inside(both, margin, settings, point) is None
 
 
-def _outside(rows: Rows, cover: Rows) -> list[Rows]:
+def parts_outside(rows: Rows, cover: Rows) -> list[Rows]:
+    """What a polyhedron has outside a cover, cut into parts that violate one row of it and keep those before it."""
     N, h = cover
     return [
         (np.vstack([rows[0], N[:row], -N[row : row + 1]]), np.concatenate([rows[1], h[:row], -h[row : row + 1]]))
