@@ -48,8 +48,8 @@ def explicit_hybrid(
     ----------
     mpc : HybridMpc
     box : mapping of name to (low, high)
-        Ranges of the parameters: the states by their names, ``last.NAME`` for an input applied last where increments
-        are weighed or limited, and ``ref.NAME`` for a reference. Where only one parameter goes with a signal, the
+        Ranges of the parameters: the states by their names, ``u(-1)`` for an input u applied last where increments are
+        weighed or limited, and ``r(y)`` for the reference of y. Where only one parameter goes with a signal, the
         signal's name will do. States and last inputs have their declared ranges by default. References are constant
         over the horizon.
     fixed : mapping of name to number

@@ -29,7 +29,7 @@ class Parameter:
     Attributes
     ----------
     name : str
-        Of a state as it is, ``last.NAME`` for the input applied last, ``ref.NAME`` for a reference.
+        That of a state as it is, ``NAME(-1)`` for an input applied last, ``r(NAME)`` for a reference.
     group : str
         ``"x"``, ``"last"`` or ``"ref"``.
     signal : str
@@ -171,9 +171,9 @@ def _candidates(mpc: HybridMpc) -> Iterable[Parameter]:
         yield _of_variable(v, STATE, v.name)
     if mpc.uses_last_input:
         for v in mpc.mld.u:
-            yield _of_variable(v, LAST, f"{LAST}.{v.name}")
+            yield _of_variable(v, LAST, f"{v.name}(-1)")
     for name in mpc.references.names:
-        yield Parameter(f"{REFERENCE}.{name}", REFERENCE, name, -inf, inf, False, False)
+        yield Parameter(f"r({name})", REFERENCE, name, -inf, inf, False, False)
 
 
 def _of_variable(v: Variable, group: str, name: str) -> Parameter:

@@ -113,28 +113,36 @@ def meet(one: Region, other: Region) -> bool:
 def is_never_best(region: Region, rivals: list[Region]) -> bool:
     """Whether rivals that are proven to be nowhere worse cover a region.
 
-    A few points of the region tell which rivals are worth a proof, and often that there will be none.
+    A few points of the region tell which rivals are worth a proof, those that hold most of them first, and that there
+    is no hope once no rival is left for one of the points.
     """
     settings = MpQpSettings()
-    candidates = _candidates(region, rivals)
-    covers = [rival.rows for rival in candidates if _is_nowhere_worse(rival, region)]
-    return bool(covers) and uncovered_point(region.rows, covers, _ROOM, settings) is None
+    left = _candidates(region, rivals)
+    proven: list[Region] = []
+    found = np.zeros(_SAMPLES + 1, dtype=bool)
+    while left and np.logical_or.reduce([found, *(inside for _, inside in left)]).all():
+        rival, inside = left.pop(0)
+        if not _is_nowhere_worse(rival, region):
+            continue
+        proven.append(rival)
+        found = found | inside
+        if found.all() and uncovered_point(region.rows, [p.rows for p in proven], _ROOM, settings) is None:
+            return True
+    return False
 
 
-def _candidates(region: Region, rivals: list[Region]) -> list[Region]:
-    """Rivals that are nowhere worse at some points; none if they leave a point out."""
+def _candidates(region: Region, rivals: list[Region]) -> list[tuple[Region, NDArray[np.bool_]]]:
+    """Rivals that are nowhere worse at some points, and which of the points they hold."""
     points = _points(region)
     most = region.value(points)
     most = most + TIE * np.maximum(1.0, np.abs(most))
-    covered = np.zeros(len(points), dtype=bool)
-    candidates = []
+    found = []
     for rival in rivals:
         N, h = rival.rows
         inside = np.all(points @ N.T <= h, axis=1)
         if np.all(rival.value(points[inside]) <= most[inside]) and meet(region, rival):
-            covered |= inside
-            candidates.append(rival)
-    return candidates if covered.all() else []
+            found.append((rival, inside))
+    return sorted(found, key=lambda entry: -int(entry[1].sum()))
 
 
 def _points(region: Region) -> Matrix:
@@ -143,7 +151,7 @@ def _points(region: Region) -> Matrix:
     settings = MpQpSettings()
     start = next((p for m in settings.margins if (p := point_inside(region.rows, float(m), settings)) is not None), None)
     if start is None:
-        return np.zeros((0, N.shape[1]))
+        start = np.zeros(N.shape[1])  # in no region: nothing will be removed
     rng = np.random.default_rng(_SEED)
     points = [start]
     for _ in range(_SAMPLES):
