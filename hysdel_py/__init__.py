@@ -18,9 +18,13 @@ if TYPE_CHECKING:
     from hysdel_py.control.closed_loop import closed_loop
     from hysdel_py.control.costs import Cost
     from hysdel_py.control.disturbance import with_disturbances
+    from hysdel_py.control.explicit import explicit
     from hysdel_py.control.explicit_law import ExplicitLaw
     from hysdel_py.control.hybrid_mpc import HybridMpc, Move, MoveStatus
     from hysdel_py.control.limits import Limits
+    from hysdel_py.control.linear_cost import LinearCost
+    from hysdel_py.control.linear_limits import LinearLimits
+    from hysdel_py.control.linear_mpc import LinearMpc
     from hysdel_py.control.moving_horizon import Estimate, MovingHorizonEstimator
     from hysdel_py.control.observer import KalmanObserver
     from hysdel_py.errors import ArgumentError, CompileError, HysdelError, SimulationError
@@ -33,6 +37,7 @@ if TYPE_CHECKING:
     from hysdel_py.reports.explanation import Explanation
     from hysdel_py.shipped import shipped_models
     from hysdel_py.systems.dha import Dha
+    from hysdel_py.systems.lti import Lti
     from hysdel_py.systems.mld import Mld
     from hysdel_py.systems.pwa import Pwa
     from hysdel_py.systems.simulation import simulate
@@ -40,11 +45,12 @@ if TYPE_CHECKING:
 
 __all__ = [
     "ArgumentError", "CaseFile", "CompileError", "Cost", "Dha", "Difference", "Estimate", "Explanation",
-    "ExplicitLaw", "HybridMpc", "HysdelError", "KalmanObserver", "Limits", "Margins", "Mld", "Model", "Move",
-    "MoveStatus", "MovingHorizonEstimator", "MpQp", "MpQpSettings", "NodeLog", "ParametricSolution", "Pwa",
-    "SimulationError", "Trajectory", "Verification", "WellPosedness", "__version__", "audit", "closed_loop", "diff",
-    "explain_infeasible", "load", "read_case", "read_json", "shipped_models", "simulate", "solve_mpqp", "to_dha",
-    "to_mld", "to_pwa", "to_symbolic_mld", "verify", "well_posed", "with_disturbances",
+    "ExplicitLaw", "HybridMpc", "HysdelError", "KalmanObserver", "Limits", "LinearCost", "LinearLimits", "LinearMpc",
+    "Lti", "Margins", "Mld", "Model", "Move", "MoveStatus", "MovingHorizonEstimator", "MpQp", "MpQpSettings",
+    "NodeLog", "ParametricSolution", "Pwa", "SimulationError", "Trajectory", "Verification", "WellPosedness",
+    "__version__", "audit", "closed_loop", "diff", "explain_infeasible", "explicit", "load", "read_case", "read_json",
+    "shipped_models", "simulate", "solve_mpqp", "to_dha", "to_mld", "to_pwa", "to_symbolic_mld", "verify",
+    "well_posed", "with_disturbances",
 ]  # fmt: skip
 
 _HOME = {
@@ -61,6 +67,10 @@ _HOME = {
     "HysdelError": "errors",
     "KalmanObserver": "control.observer",
     "Limits": "control.limits",
+    "LinearCost": "control.linear_cost",
+    "LinearLimits": "control.linear_limits",
+    "LinearMpc": "control.linear_mpc",
+    "Lti": "systems.lti",
     "Margins": "analysis.margins",
     "Mld": "systems.mld",
     "Model": "model",
@@ -79,6 +89,7 @@ _HOME = {
     "audit": "model",
     "closed_loop": "control.closed_loop",
     "diff": "analysis.diff",
+    "explicit": "control.explicit",
     "explain_infeasible": "reports.explain_infeasible",
     "load": "model",
     "read_case": "optimize.case_file",

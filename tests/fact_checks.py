@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import numpy as np
 from fact_controllers import mpc_eval, pwa_mpc_cost, simulate
+from fact_explicit import mplp_param_cost, mplp_regions, mpqp_regions
 from fact_tools import Fact, NotSupported, array, close
 
 from hysdel_py.geometry.polyhedron import Polyhedron
@@ -167,6 +168,9 @@ CHECKS = {
     "qp": qp,
     "lp": qp,
     "mpc_eval": mpc_eval,
+    "mpqp_regions": mpqp_regions,
+    "mplp_regions": mplp_regions,
+    "mplp_param_cost": mplp_param_cost,
     "simulate": simulate,
     "polyhedron": polyhedron,
     "pwa": pwa,

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import numpy as np
+from fact_explicit import soft_state, terminal_penalty
 from fact_tools import Fact, NotSupported, close
 from pwa_form import Box, Mode, mld_of_modes
 from scipy.linalg import expm, solve_discrete_are
@@ -121,7 +122,7 @@ def mpc_eval(fact: Fact) -> str:
     if p.get("u_binary"):
         return binary_input(fact)
     if "soft" in p:
-        raise NotSupported("a slack of each stage with a linear price beside a quadratic cost")
+        return soft_state(fact)
     return quadratic_controller(fact)
 
 
@@ -145,6 +146,8 @@ def quadratic_controller(fact: Fact) -> str:
     close(P, expected["P"], tolerance, "Riccati matrix")
     box = p.get("terminal_set")
     terminal = {f"x{i + 1}": ends for i, ends in enumerate(zip(box["lb"], box["ub"], strict=True))} if box else {}
+    if "block_zero_based" not in p and box is None:
+        terminal_penalty(fact)
     held = [{}] if "block_zero_based" not in p else [{"control_horizon": p["block_zero_based"][0] + 1}]
     for blocks in held:
         mpc = HybridMpc(

@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hysdel_py.control.explicit_law import ExplicitLaw
+from hysdel_py.control.law_signals import read_signals, signals_text
 from hysdel_py.errors import ArgumentError
 from hysdel_py.geometry.polyhedron import Polyhedron
 
@@ -29,17 +30,21 @@ def save_law(law: ExplicitLaw, path: str | PathLike[str]) -> None:
 
 def law_arrays(law: ExplicitLaw) -> dict[str, Any]:
     """All that a law consists of, as arrays."""
-    return {name: getattr(law, name) for name in _ARRAYS} | {
-        "format": np.array(_FORMAT),
-        "moves": np.array(law.moves),
-        "names": np.array(law.names),
-        "complete": np.array(law.complete),
-        "tolerance": np.array(law.tolerance),
-        "domain_sides": law.domain.b,
-        "domain_rows": law.domain.A,
-        "active": np.array([row for rows in law.active for row in rows], dtype=np.int64),
-        "active_starts": np.cumsum([0, *(len(rows) for rows in law.active)]),
-    }
+    return (
+        {name: getattr(law, name) for name in _ARRAYS}
+        | {
+            "format": np.array(_FORMAT),
+            "moves": np.array(law.moves),
+            "names": np.array(law.names),
+            "complete": np.array(law.complete),
+            "tolerance": np.array(law.tolerance),
+            "domain_sides": law.domain.b,
+            "domain_rows": law.domain.A,
+            "active": np.array([row for rows in law.active for row in rows], dtype=np.int64),
+            "active_starts": np.cumsum([0, *(len(rows) for rows in law.active)]),
+        }
+        | ({} if law.signals is None else {"signals": np.array(signals_text(law.signals))})
+    )
 
 
 def load_law(path: str | PathLike[str]) -> ExplicitLaw:
@@ -70,6 +75,7 @@ def law_of_arrays(content: Mapping[str, Any]) -> ExplicitLaw:
         names=tuple(str(name) for name in content["names"]),
         complete=bool(content["complete"]),
         tolerance=float(content["tolerance"]),
+        signals=read_signals(str(content["signals"])) if "signals" in content else None,
     )
 
 

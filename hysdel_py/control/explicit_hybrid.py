@@ -108,8 +108,14 @@ def _law(mpc: HybridMpc, parameters: Parameters, solution: MixedParametricSoluti
         complete=solution.complete,
         partition=len(laws) < 2,
         report=SearchReport(
-            solution.tried, solution.propagated, solution.infeasible, solution.flat, solution.solved,
-            sum(law.law.count for law in laws), solution.stop.value, solution.seconds,
+            solution.tried,
+            solution.propagated,
+            solution.infeasible,
+            solution.flat,
+            solution.solved,
+            sum(law.law.count for law in laws),
+            solution.stop.value,
+            solution.seconds,
         ),  # fmt: skip
         sample_time=mpc.sample_time,
     )

@@ -135,9 +135,7 @@ class Parameters:
         return np.array([v for v, parameter in zip(values, self.every, strict=True) if not parameter.is_fixed])
 
 
-def choose_parameters(
-    mpc: HybridMpc, box: Mapping[str, Any] | None, fixed: Mapping[str, float] | None
-) -> Parameters:
+def choose_parameters(mpc: HybridMpc, box: Mapping[str, Any] | None, fixed: Mapping[str, float] | None) -> Parameters:
     """The parameters of a controller with their box.
 
     Parameters

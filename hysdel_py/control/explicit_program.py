@@ -99,9 +99,7 @@ def _targets(f: Formulation, parameters: Parameters, order: tuple[Parameter, ...
     return matrix, vector
 
 
-def _rows(
-    f: Formulation, start: tuple[Matrix, Vector], targets: tuple[Matrix, Vector]
-) -> tuple[csr_array, Vector]:
+def _rows(f: Formulation, start: tuple[Matrix, Vector], targets: tuple[Matrix, Vector]) -> tuple[csr_array, Vector]:
     """Rows over (zeta, v), and what the fixed parameters add to them."""
     from scipy.sparse import csr_array, hstack
 

@@ -149,7 +149,9 @@ def _points(region: Region) -> Matrix:
     """Points of a region by a walk along chords in fixed random directions."""
     N, h = region.rows
     settings = MpQpSettings()
-    start = next((p for m in settings.margins if (p := point_inside(region.rows, float(m), settings)) is not None), None)
+    start = next(
+        (p for m in settings.margins if (p := point_inside(region.rows, float(m), settings)) is not None), None
+    )
     if start is None:
         start = np.zeros(N.shape[1])  # in no region: nothing will be removed
     rng = np.random.default_rng(_SEED)

@@ -29,6 +29,7 @@ __all__ = ["HybridLaw", "Place", "SearchReport", "SequenceLaw"]
 
 Vector = NDArray[np.float64]
 
+
 @dataclass(frozen=True, eq=False)
 class HybridLaw:
     """Explicit form of a hybrid controller.

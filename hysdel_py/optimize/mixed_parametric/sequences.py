@@ -74,7 +74,9 @@ def _propagated(problem: MpMiqp, word: Word, length: int, settings: MpMiqpSettin
         for bit in (1, 0):
             low, high = lb.copy(), ub.copy()
             low[at], high[at] = max(lb[at], bit), min(ub[at], bit)
-            found = propagator.propagate(low, high, problem.l, problem.u, np.array([at])) if low[at] <= high[at] else None
+            found = (
+                propagator.propagate(low, high, problem.l, problem.u, np.array([at])) if low[at] <= high[at] else None
+            )
             if found is None or found.conflict is not None:
                 cut += 1
             else:

@@ -19,8 +19,8 @@ class MpMiqpSettings:
     Attributes
     ----------
     meet : float
-        Sides of parallel rows that are closer than this are one side (here and in `zero` and `outwards`: variables scaled
-        to [-1, 1], rows with a greatest coefficient of 1).
+        Sides of parallel rows that are closer than this are one side; here and in `zero` and `outwards` variables are
+        scaled to [-1, 1] and rows to a greatest coefficient of 1.
     pivot : float
         The variable that an equality defines has at least this share of its greatest coefficient.
     zero : float

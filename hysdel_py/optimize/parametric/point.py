@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hysdel_py.optimize.parametric.canonical import Canonical
-from hysdel_py.optimize.parametric.nearest import FOUND, LOST, NONE, nearest
+from hysdel_py.optimize.parametric.nearest import FOUND, NONE, nearest
 from hysdel_py.optimize.parametric.settings import MpQpSettings
 
 __all__ = ["Point", "PointStatus", "solve_at"]
