@@ -9,6 +9,7 @@ from __future__ import annotations
 import numpy as np
 from fact_controllers import mpc_eval, pwa_mpc_cost, simulate
 from fact_explicit import mplp_param_cost, mplp_regions, mpqp_regions
+from fact_hybrid_laws import pwa_mpc_explicit
 from fact_tools import Fact, NotSupported, array, close
 
 from hysdel_py.geometry.polyhedron import Polyhedron
@@ -164,6 +165,7 @@ def pwa(fact: Fact) -> str:
 
 CHECKS = {
     "pwa_mpc_cost": pwa_mpc_cost,
+    "pwa_mpc_explicit": pwa_mpc_explicit,
     "miqp": miqp,
     "qp": qp,
     "lp": qp,

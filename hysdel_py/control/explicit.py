@@ -6,7 +6,7 @@ from collections.abc import Callable, Mapping
 from concurrent.futures import Executor
 from dataclasses import dataclass, replace
 from math import isfinite
-from typing import TYPE_CHECKING, Any, Literal
+from typing import TYPE_CHECKING, Any, Literal, cast
 
 from hysdel_py.control.explicit_law import ExplicitLaw
 from hysdel_py.control.hybrid_mpc import HybridMpc
@@ -48,7 +48,7 @@ def explicit(
     move: MoveKind | None = None,
     settings: Any = None,
     executor: Executor | None = None,
-    progress: Callable[..., object] | None = None,
+    progress: Callable[..., None] | None = None,
 ) -> ExplicitLaw | HybridLaw:
     """Work out a controller's first move as a piecewise affine function of what it is told.
 
@@ -111,7 +111,7 @@ def _of_hybrid(controller: HybridMpc, box: Box, fixed: Fixed, move: MoveKind | N
         raise ArgumentError(f"move is {move!r}: a hybrid controller plans inputs, leave it out")
     if not (box is None or isinstance(box, Mapping)):
         raise ArgumentError("box is no mapping: ranges by the names of the parameters were expected")
-    return explicit_hybrid(controller, box, fixed=fixed, **options)
+    return explicit_hybrid(controller, box, fixed=cast("Mapping[str, float] | None", fixed), **options)
 
 
 def parametric_controller(

@@ -116,7 +116,7 @@ def _law(mpc: HybridMpc, parameters: Parameters, solution: MixedParametricSoluti
             sum(law.law.count for law in laws),
             solution.stop.value,
             solution.seconds,
-        ),  # fmt: skip
+        ),
         sample_time=mpc.sample_time,
     )
 

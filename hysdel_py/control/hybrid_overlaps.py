@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -57,7 +58,7 @@ def as_single(law: HybridLaw, booleans: Mapping[str, float]) -> ExplicitLaw:
         raise ArgumentError("no sequence has a region for these values of the Boolean parameters")
     offsets = np.cumsum([0, *(len(part.b) for part in laws)])
     starts = [part.starts[:-1] + offset for part, offset in zip(laws, offsets[:-1], strict=True)]
-    joined = {name: np.concatenate([getattr(part, name) for part in laws]) for name in "AbKkPqr"}
+    joined: dict[str, Any] = {name: np.concatenate([getattr(part, name) for part in laws]) for name in "AbKkPqr"}
     return replace(
         laws[0],
         **joined,
@@ -137,7 +138,11 @@ def _cut(law: ExplicitLaw, entries: list[tuple[int, Rows | None]]) -> ExplicitLa
         A=np.vstack([A for A, _ in rows]),
         b=np.concatenate([b for _, b in rows]),
         starts=np.cumsum([0, *(len(b) for _, b in rows)]),
-        **{name: getattr(law, name)[chosen] for name in "KkPqr"},
+        K=law.K[chosen],
+        k=law.k[chosen],
+        P=law.P[chosen],
+        q=law.q[chosen],
+        r=law.r[chosen],
         active=tuple(law.active[region] for region in chosen),
     )
 

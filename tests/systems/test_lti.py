@@ -122,8 +122,8 @@ def test_sampling_is_that_of_scipy(seed):
     ts = float(rng.uniform(0.01, 1.0))
     lti = hys.Lti.sampled(a, b, ts=ts)
     expected = signal.cont2discrete((a, b, np.eye(n), np.zeros((n, m))), ts, method="zoh")
-    assert lti.A == pytest.approx(expected[0], rel=1e-9, abs=1e-12)
-    assert lti.B == pytest.approx(expected[1], rel=1e-9, abs=1e-12)
+    assert pytest.approx(expected[0], rel=1e-9, abs=1e-12) == lti.A
+    assert pytest.approx(expected[1], rel=1e-9, abs=1e-12) == lti.B
 
 
 def test_sampling_with_a_constant_term_is_the_solution_of_the_differential_equation():
@@ -195,10 +195,10 @@ class TransferFunctionLike:
 
 def test_objects_like_those_of_python_control():
     lti = hys.Lti.of(StateSpaceLike(A, B, C, D), ts=0.1)
-    assert lti.A == pytest.approx(signal.cont2discrete((A, B, C, D), 0.1)[0])
+    assert pytest.approx(signal.cont2discrete((A, B, C, D), 0.1)[0]) == lti.A
     assert [v.name for v in (*lti.x, *lti.u)] == ["x[0]", "x[1]", "force"]
     assert hys.Lti.of(StateSpaceLike(A, B, C, D, dt=0.2)).ts == 0.2
-    assert hys.Lti.of(StateSpaceLike(A, B, C, D, dt=True), ts=0.2).A == pytest.approx(A)
+    assert pytest.approx(A) == hys.Lti.of(StateSpaceLike(A, B, C, D, dt=True), ts=0.2).A
     with pytest.raises(hys.ArgumentError, match="does not say whether it is continuous"):
         hys.Lti.of(StateSpaceLike(A, B, C, D, dt=None), ts=0.1)
     transfer = TransferFunctionLike([[np.array([1.0])]], [[np.array([1.0, -0.5])]])
@@ -215,8 +215,8 @@ def test_python_control_itself():
     system = control.ss(A, B, C, D, states=["pos", "vel"], inputs=["force"], outputs=["y"])
     discrete = control.c2d(system, 0.1)
     for lti in (hys.Lti.of(system, ts=0.1), hys.Lti.of(discrete)):
-        assert lti.A == pytest.approx(discrete.A)
-        assert lti.B == pytest.approx(discrete.B)
+        assert pytest.approx(discrete.A) == lti.A
+        assert pytest.approx(discrete.B) == lti.B
         assert [v.name for v in lti.x] == ["pos", "vel"]
     transfer = control.tf([1.0, 2.0], [1.0, 3.0, 2.0])
     lti = hys.Lti.of(transfer, ts=0.1)

@@ -118,6 +118,8 @@ def _without_variables(problem: MpQp) -> ParametricSolution | None:
     rows = region.minimal()
     length = rows.lengths
     K, k = np.zeros((0, problem.p)), np.zeros(0)
+    assert problem.Y is not None
+    assert problem.y is not None
     found = CriticalRegion(
         rows.A / length[:, None], rows.b / length, K, k, problem.Y, problem.y, problem.constant, (), ball.centre
     )
