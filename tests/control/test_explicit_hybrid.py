@@ -235,3 +235,11 @@ def test_bound_of_a_difference_is_one(systems):
 def test_bound_of_a_concave_form_is_close():
     rows = np.vstack([np.eye(2), -np.eye(2)]), np.ones(4)
     assert upper_bound((-np.eye(2), np.zeros(2), -0.25), rows)[0] == pytest.approx(-0.25, abs=1e-6)
+
+
+def test_a_cost_that_no_input_changes(systems):
+    """Over one step without weight on the last state only the measured one counts: (x - 0)^2, whatever the input."""
+    mpc = hys.HybridMpc(systems.fold(), 1, hys.Cost(y=[1.0]), **TIGHT)
+    law = hys.explicit(mpc)
+    for x in (-3.0, 0.5, 7.0):
+        assert law.value([x]) == pytest.approx(x * x)

@@ -92,8 +92,6 @@ def _program(problem: MpMiqp, Z: Matrix, N: Matrix, h: Vector) -> MpQp:
     H, g = Z.T @ (problem.H @ Z), Z.T @ problem.g
     gradient = H[:-1, -1] + g[:-1]
     square = (H + H.T) / 2
-    if problem.is_linear:
-        square = np.zeros_like(square)
     return MpQp(
         H=square[p:-1, p:-1],
         f=gradient[p:],

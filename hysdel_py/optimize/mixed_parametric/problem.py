@@ -79,16 +79,6 @@ class MpMiqp:
         """Number of entries of w."""
         return len(self.g)
 
-    @property
-    def is_linear(self) -> bool:
-        """Whether the cost of the decision variables is linear."""
-        return not self.H[:, self.parameters :].nnz
-
-    @property
-    def depth(self) -> int:
-        """Number of stages with binaries."""
-        return int(self.stages[-1]) + 1 if len(self.stages) else 0
-
     def decided(self, stages: int) -> int:
         """Number of binaries in the first so many stages."""
         return int(np.searchsorted(self.stages, stages))
