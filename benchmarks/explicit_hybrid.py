@@ -74,8 +74,8 @@ def line(name: str, samples: int, settings: MpMiqpSettings, reduce: bool) -> str
     end = process_time()
     found, r = law.certificate(mpc, samples), law.report
     return (
-        f"| {name} | {law.p} | {r.tried} | {r.propagated}, {r.infeasible}, {r.flat} | {r.solved} | {len(law.sequences)} "
-        f"| {r.found} | {law.count} | {between - begin:.2f} | {end - between:.2f} | {'yes' if law.complete else 'no'} "
+        f"| {name} | {law.p} | {r.tried} | {r.propagated}, {r.infeasible}, {r.flat} | {r.solved} "
+        f"| {len(law.sequences)} | {r.found} | {law.count} | {between - begin:.2f} | {end - between:.2f} | {'yes' if law.complete else 'no'} "
         f"| {found.cost_error:.1g} | {found.missing} + {found.superfluous} of {samples} |"
     )
 
