@@ -73,9 +73,10 @@ def line(name: str, samples: int, settings: MpMiqpSettings, reduce: bool) -> str
         law = law.reduced()
     end = process_time()
     found, r = law.certificate(mpc, samples), law.report
+    seconds = f"{between - begin:.2f} | {end - between:.2f}"
     return (
         f"| {name} | {law.p} | {r.tried} | {r.propagated}, {r.infeasible}, {r.flat} | {r.solved} "
-        f"| {len(law.sequences)} | {r.found} | {law.count} | {between - begin:.2f} | {end - between:.2f} | {'yes' if law.complete else 'no'} "
+        f"| {len(law.sequences)} | {r.found} | {law.count} | {seconds} | {'yes' if law.complete else 'no'} "
         f"| {found.cost_error:.1g} | {found.missing} + {found.superfluous} of {samples} |"
     )
 
