@@ -56,9 +56,12 @@ def least(qp):
 def test_value_is_that_of_the_best_sequence(systems, norm):
     mpc = fold_controller(systems, norm)
     law = hys.explicit(mpc, {"x": (-6, 6)})
+    whole = explicit_hybrid(mpc, {"x": (-6, 6)}, reduce=False)
     assert law.complete
     for x in np.random.default_rng(3).uniform(-6, 6, 15):
-        assert law.value([x]) == pytest.approx(enumerated(mpc, [x]), abs=1e-6)
+        best = enumerated(mpc, [x])
+        assert law.value([x]) == pytest.approx(best, abs=1e-6)
+        assert whole.value([x]) == pytest.approx(best, abs=1e-6)
 
 
 def test_boolean_states_inputs_and_references(systems):
