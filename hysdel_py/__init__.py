@@ -20,6 +20,7 @@ if TYPE_CHECKING:
     from hysdel_py.control.disturbance import with_disturbances
     from hysdel_py.control.explicit import explicit
     from hysdel_py.control.explicit_law import ExplicitLaw
+    from hysdel_py.control.hybrid_law import HybridLaw
     from hysdel_py.control.hybrid_mpc import HybridMpc, Move, MoveStatus
     from hysdel_py.control.limits import Limits
     from hysdel_py.control.linear_cost import LinearCost
@@ -35,6 +36,7 @@ if TYPE_CHECKING:
     from hysdel_py.geometry.union import PolyhedralUnion
     from hysdel_py.model import Model, audit, load, to_dha, to_mld, to_pwa, to_symbolic_mld
     from hysdel_py.optimize.case_file import CaseFile, read_case
+    from hysdel_py.optimize.mpmiqp import MpMiqp, MpMiqpSettings, solve_mpmiqp
     from hysdel_py.optimize.mpqp import MpQp, MpQpSettings, ParametricSolution, solve_mpqp
     from hysdel_py.optimize.node_log import NodeLog
     from hysdel_py.reports.explain_infeasible import explain_infeasible
@@ -49,13 +51,13 @@ if TYPE_CHECKING:
 
 __all__ = [
     "ArgumentError", "CaseFile", "CompileError", "Cost", "Dha", "Difference", "Estimate", "Explanation",
-    "ExplicitLaw", "HybridMpc", "HysdelError", "KalmanObserver", "Limits", "LinearCost", "LinearLimits",
-    "LinearMpc", "Lti", "Margins", "Mld", "Model", "Move", "MoveStatus", "MovingHorizonEstimator", "MpQp",
-    "MpQpSettings", "NodeLog", "ParametricSolution", "PolyhedralUnion", "Polyhedron", "Pwa", "SimulationError",
-    "Trajectory", "Verification", "WellPosedness", "__version__", "audit", "closed_loop", "diff",
-    "explain_infeasible", "explicit", "load", "minkowski_sum", "pontryagin_difference", "read_case", "read_json",
-    "shipped_models", "simulate", "solve_mpqp", "to_c", "to_dha", "to_mld", "to_pwa", "to_symbolic_mld", "verify",
-    "well_posed", "with_disturbances",
+    "ExplicitLaw", "HybridLaw", "HybridMpc", "HysdelError", "KalmanObserver", "Limits", "LinearCost",
+    "LinearLimits", "LinearMpc", "Lti", "Margins", "Mld", "Model", "Move", "MoveStatus", "MovingHorizonEstimator",
+    "MpMiqp", "MpMiqpSettings", "MpQp", "MpQpSettings", "NodeLog", "ParametricSolution", "PolyhedralUnion",
+    "Polyhedron", "Pwa", "SimulationError", "Trajectory", "Verification", "WellPosedness", "__version__", "audit",
+    "closed_loop", "diff", "explain_infeasible", "explicit", "load", "minkowski_sum", "pontryagin_difference",
+    "read_case", "read_json", "shipped_models", "simulate", "solve_mpmiqp", "solve_mpqp", "to_c", "to_dha",
+    "to_mld", "to_pwa", "to_symbolic_mld", "verify", "well_posed", "with_disturbances",
 ]  # fmt: skip
 
 _HOME = {
@@ -68,6 +70,7 @@ _HOME = {
     "Estimate": "control.moving_horizon",
     "Explanation": "reports.explanation",
     "ExplicitLaw": "control.explicit_law",
+    "HybridLaw": "control.hybrid_law",
     "HybridMpc": "control.hybrid_mpc",
     "HysdelError": "errors",
     "KalmanObserver": "control.observer",
@@ -82,6 +85,8 @@ _HOME = {
     "Move": "control.hybrid_mpc",
     "MoveStatus": "control.hybrid_mpc",
     "MovingHorizonEstimator": "control.moving_horizon",
+    "MpMiqp": "optimize.mpmiqp",
+    "MpMiqpSettings": "optimize.mpmiqp",
     "MpQp": "optimize.mpqp",
     "MpQpSettings": "optimize.mpqp",
     "NodeLog": "optimize.node_log",
@@ -105,6 +110,7 @@ _HOME = {
     "read_json": "export.json_file",
     "shipped_models": "shipped",
     "simulate": "systems.simulation",
+    "solve_mpmiqp": "optimize.mpmiqp",
     "solve_mpqp": "optimize.mpqp",
     "to_c": "export.plant_c",
     "to_dha": "model",
