@@ -162,7 +162,7 @@ def figures(answers: list[Answer]) -> dict[str, float]:
 
 
 def disagreements(loop: Loop) -> list[tuple[int, float]]:
-    """Steps at which proven optima differ, with the relative difference: infinite where one proved that there is none."""
+    """Steps at which proven optima differ, with the relative difference; infinite where one says there is none."""
     found = []
     for k in range(max(map(len, loop.answers.values()), default=0)):
         proven = {n: a[k] for n, a in loop.answers.items() if len(a) > k and (a[k].proven or a[k].infeasible)}
