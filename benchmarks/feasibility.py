@@ -28,9 +28,11 @@ LIMIT = 80.8
 STALL = 80.0
 """Least engine speed of the document's model [rad/s]."""
 SLIPS = (30.0, 50.0, 70.0, 90.0)
-TORQUES = (0.0, 20.0, 40.0, 60.0, 80.0)
+TORQUES = (0.0, 20.0, 60.0)
 ENGINE_SPEED = 100.0
 STEPS = 100
+SECONDS = 0.5
+"""Time limit of an answer, beside the limit of nodes."""
 REFERENCE = {"y1": 100.0, "y2": 0.0, "y3": 0.0}
 WEIGHTS = {"y1": 1.0, "y2": 4.0, "y3": 4.0}
 SHOWN = (70.0, 20.0)
@@ -55,7 +57,7 @@ def remedies() -> tuple[Remedy, ...]:
     holding = ([[0.0, 0.0, -1.0, 1.0, 0.0]], [0.0])
     return (
         Remedy("hard, horizon 10", 10, {}),
-        Remedy("hard, horizon 20", 20, {}),
+        Remedy("hard, horizon 15", 15, {}),
         Remedy("softened", 10, {"soft": ("y1",), "rho": 1e5}),
         Remedy("terminal set", 10, {"terminal": holding}),
     )
@@ -70,7 +72,9 @@ def controller(model: hys.Model, remedy: Remedy, node_limit: int) -> hys.HybridM
         **remedy.limits,
     )
     cost = hys.Cost(y=WEIGHTS)
-    return hys.HybridMpc(model, remedy.horizon, cost, limits, references=tuple(WEIGHTS), node_limit=node_limit)
+    return hys.HybridMpc(
+        model, remedy.horizon, cost, limits, references=tuple(WEIGHTS), node_limit=node_limit, time_limit=SECONDS
+    )
 
 
 @dataclass(frozen=True, slots=True)

@@ -1,14 +1,14 @@
 """Closed loops of hybrid controllers: our engine warm, cold and with a work limit, beside Gurobi, CPLEX and SCIP.
 
-    python benchmarks/loops.py                                       all loops, horizons 5, 10 and 20, 10 minutes
+    python benchmarks/loops.py                                       all loops, horizons 5, 10 and 15, 10 minutes
     python benchmarks/loops.py --cases clutch --horizons 5 10 15 20 25 30 --budget 300 --plot growth.png
     python benchmarks/loops.py --json loops.json --plot docs/pictures/loops.png
 
 At each step all solvers get the same mixed-integer program, one after the other, on one thread, with the same gap. The
 input of our warm engine moves the plant. Peers are timed without the building of their models, ours with everything
 that a call does. A solver that is not installed, or whose edition is too small for a program, is named. `--budget` is
-parted evenly among the loops, and what one leaves over goes to the next; a loop that has used its share ends there, and
-a solver that has used a quarter of it is not asked about the remaining steps.
+parted evenly among the loops, and what one leaves over goes to the next; a loop that has used its share ends there,
+after one step at the earliest, and a solver that has used a quarter of it is not asked about the remaining steps.
 The exit status is 1 if two solvers proved optima that differ by more than the gap.
 """
 
@@ -76,7 +76,7 @@ def run_loop(case: LoopCase, horizon: int, options: argparse.Namespace, share: f
         if case.is_over(x):
             loop.ended = f"goal reached after {k} steps"
             break
-        if time.perf_counter() - begin > share:
+        if k and time.perf_counter() - begin > share:
             loop.ended = f"its share of the time was over after {k} of {case.steps} steps"
             break
         _drop_slow(solvers, loop, QUARTER * share)
@@ -97,7 +97,7 @@ def _solvers(
     ours: dict[str, Any] = {
         DRIVER: driver,
         "cold": case.controller(horizon, time_limit=options.seconds, **search),
-        "limited": case.controller(horizon, node_limit=options.node_limit, **search),
+        "limited": case.controller(horizon, node_limit=options.node_limit, time_limit=options.seconds, **search),
     }
     for name, solve in peers.available().items():
         if name not in options.solvers:
@@ -215,7 +215,7 @@ def summary(loops: list[Loop]) -> Iterator[str]:
     yield f"{'solver':>10} {'steps':>6} {'median':>8} {'geo-mean':>8} {'of sums':>8}"
     for name in dict.fromkeys(name for loop in loops for name in loop.answers):
         pairs = [(a.seconds, w.seconds) for loop in loops
-                 for a, w in zip(loop.answers.get(name, []), loop.answers[DRIVER], strict=False)]  # fmt: skip
+                 for a, w in zip(loop.answers.get(name, []), loop.answers.get(DRIVER, []), strict=False)]  # fmt: skip
         if name != DRIVER and pairs:
             theirs, ours = np.array(pairs).T
             ratio = theirs / ours
@@ -285,7 +285,7 @@ def as_data(loops: list[Loop]) -> list[dict[str, Any]]:
 def arguments() -> argparse.Namespace:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--cases", nargs="+", choices=list(cases()), default=list(cases()), metavar="NAME")
-    parser.add_argument("--horizons", type=int, nargs="+", default=[5, 10, 20], metavar="N")
+    parser.add_argument("--horizons", type=int, nargs="+", default=[5, 10, 15], metavar="N")
     parser.add_argument("--steps", type=int, default=1000, help="at most (default: those of each case)")
     parser.add_argument("--node-limit", type=int, default=30, help="work limit of the column 'limited' (default 30)")
     parser.add_argument("--seconds", type=float, default=2.0, help="time limit of every other solve (default 2)")

@@ -20,6 +20,8 @@ from hysdel_py.optimize.miqp import Miqp
 
 GAP_ABS = 1e-5
 FEASIBILITY = 1e-9
+SCIP_FEASIBILITY = 1e-8
+"""Tighter ones make its linear programs fail."""
 CPLEX_TOO_LARGE = 1016
 GUROBI_TOO_LARGE = 10010
 
@@ -52,7 +54,7 @@ def available() -> dict[str, Solve | None]:
 
 def solve_scip(miqp: Miqp, gap: float, seconds: float) -> Answer:
     """SCIP; its relative gap alone ends the search."""
-    found = scip.solve(miqp, gap_rel=gap, time_limit=seconds)
+    found = scip.solve(miqp, gap_rel=gap, time_limit=seconds, feasibility=SCIP_FEASIBILITY)
     proven = found.status in ("optimal", "gaplimit")
     return Answer(found.cost, proven, found.status == "infeasible", found.nodes, found.seconds)
 

@@ -22,8 +22,8 @@ class NodeLog:
     Attributes
     ----------
     entries : list of SearchInfo
-        One per node, over all searches since the log was made; the count of nodes starts again with each search. As
-        text the figures of the search come first and those of the node follow, empty where the search did not tell them.
+        One per node, over all searches since the log was made; the count of nodes starts again with each search.
+        As text the figures of the search come first and those of the node follow, empty where they were not told.
 
     Examples
     --------
