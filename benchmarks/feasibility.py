@@ -27,15 +27,15 @@ LIMIT = 80.8
 """Engine-speed limit of the document's controller, 1.01 times that of its model [rad/s]."""
 STALL = 80.0
 """Least engine speed of the document's model [rad/s]."""
-SLIPS = (30.0, 50.0, 70.0, 90.0)
+SLIPS = (30.0, 60.0, 90.0)
 TORQUES = (0.0, 20.0, 60.0)
 ENGINE_SPEED = 100.0
 STEPS = 100
-SECONDS = 0.5
+SECONDS = 0.2
 """Time limit of an answer, beside the limit of nodes."""
 REFERENCE = {"y1": 100.0, "y2": 0.0, "y3": 0.0}
 WEIGHTS = {"y1": 1.0, "y2": 4.0, "y3": 4.0}
-SHOWN = (70.0, 20.0)
+SHOWN = (60.0, 20.0)
 """Slip and torque of the start whose runs are drawn and whose failure is explained."""
 
 

@@ -255,6 +255,8 @@ def plot(loops: list[Loop], path: str) -> None:
 
 
 def _panel(axes: Any, loops: list[Loop]) -> None:
+    from matplotlib.ticker import NullFormatter
+
     for name in dict.fromkeys(name for loop in loops for name in loop.answers):
         at = [loop for loop in loops if name in loop.answers]
         found = [figures(loop.answers[name]) for loop in at]
@@ -269,7 +271,8 @@ def _panel(axes: Any, loops: list[Loop]) -> None:
     )
     axes.set_xlabel("horizon [steps] / binaries", fontsize=8)
     axes.set_ylabel("time [ms]", fontsize=8)
-    axes.tick_params(axis="y", labelsize=7)
+    axes.tick_params(axis="y", which="both", labelsize=7)
+    axes.yaxis.set_minor_formatter(NullFormatter())
     axes.grid(visible=True, color="#dddddd", linewidth=0.6)
     axes.spines[["top", "right"]].set_visible(False)
 

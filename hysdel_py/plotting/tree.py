@@ -134,7 +134,7 @@ def _axes(drawn: Sequence[Place]) -> Axes:
     from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.figure import Figure
 
-    width = min(24.0, max(7.0, 1.0 + 0.75 * max(p.across for p in drawn)))
+    width = min(24.0, max(7.0, 1.0 + 0.9 * max(p.across for p in drawn)))
     height = min(20.0, max(3.5, 1.6 + 0.75 * max(p.level for p in drawn)))
     figure = Figure(figsize=(width, height), dpi=110, layout="constrained")
     FigureCanvasAgg(figure)
@@ -150,8 +150,9 @@ def _draw_edge(axes: Axes, place: Place, drawn: Sequence[Place], variables: Sequ
     axes.plot([above.across, place.across], [-above.level, -place.level], style, color=MUTED, linewidth=0.8, zorder=1)
     if labelled and place.record is not None:
         name = variables[place.record.variable].partition(" (line")[0]
-        middle = (above.across + place.across) / 2.0, -(above.level + place.level) / 2.0
-        axes.text(*middle, f"{name} = {place.record.value:g}", fontsize=6, color=MUTED, ha="center", va="center",
+        share = 0.68 if place.record.value else 0.36  # of the way, so that the words of both halves keep clear
+        at = above.across + share * (place.across - above.across), -above.level - share
+        axes.text(*at, f"{name} = {place.record.value:g}", fontsize=6, color=MUTED, ha="center", va="center",
                   bbox={"facecolor": "white", "edgecolor": "none", "pad": 0.6}, zorder=2)  # fmt: skip
 
 
