@@ -137,7 +137,7 @@ def engage(model: hys.Model, mpc: hys.HybridMpc, softened: hys.HybridMpc, slip: 
     failed = run.steps < STEPS and run.x[-1, 1] > 1.0
     last = softened.solve(run.x[-1], REFERENCE, warm=False) if failed else None
     missing = np.nan if last is None or not last.ok else last.slack["y1"]
-    is_proven = failed and "infeasible" in run.messages[-1]
+    is_proven = bool(failed and "infeasible" in run.messages[-1])
     error = run.y - [REFERENCE[name] for name in WEIGHTS]
     least = float(run.x[:, 0].min())
     return Outcome(
