@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from hysdel_py.control.dynamic_programming.grids import Mesh
 from hysdel_py.errors import ArgumentError, SimulationError
 
 __all__ = ["Functions", "as_plant"]
@@ -59,18 +60,21 @@ class Functions:
     nx: int
     time_varying: bool
 
-    def step(self, k: int, x: Matrix, u: Matrix) -> tuple[Matrix, Matrix]:
+    def step(self, k: int, x: Matrix, u: Matrix, mesh: Mesh | None = None) -> tuple[Matrix, Matrix]:
         """Next states and costs of the step, infinite where the step is not admissible.
 
         Parameters
         ----------
         x : array of shape (M, nx)
         u : array of shape (M, nu)
+        mesh : Mesh, optional
+            Next states outside are not admissible either; costs are never asked for such states, and the place of the
+            state before stands in for them.
         """
         after = np.asarray(self._call("plant", k, x, u), dtype=float)
         if after.shape != x.shape:
             raise ArgumentError(f"plant returned shape {after.shape} for {len(x)} states: {x.shape} was expected")
-        sound = np.isfinite(after).all(axis=1)
+        sound = np.isfinite(after).all(axis=1) if mesh is None else mesh.holds(after)
         if not sound.all():
             after = np.where(sound[:, None], after, x)
         cost = self._numbers("cost", k, x, u, after)

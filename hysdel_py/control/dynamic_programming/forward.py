@@ -106,20 +106,17 @@ class _Search:
         change = self._change(layer.chosen[start:stop])
         parent, chosen = np.nonzero(np.isfinite(change))
         x = layer.x[start:stop][parent]
-        after, cost = self.functions.step(k, x, inputs[chosen])
+        after, cost = self.functions.step(k, x, inputs[chosen], mesh)
         self.transitions += len(x)
         cost = cost + change[parent, chosen] + layer.cost[start:stop][parent]
-        sound = np.isfinite(cost) & mesh.cell(after)[2]
+        sound = np.isfinite(cost)
         parent, chosen, after, cost = parent[sound] + start, chosen[sound], after[sound], cost[sound]
         node = mesh.nearest(after)
         if self.snap:
             after = _node_states(mesh, node)
-        key = node * len(inputs) + chosen if self._tells_inputs_apart else node
+        before = self.schedule[k + 1].before if self.remember_input else None
+        key = node if before is None else node * len(before.changes) + before.group[chosen]
         return _cheapest((key, cost, chosen, parent, after))
-
-    @property
-    def _tells_inputs_apart(self) -> bool:
-        return self.remember_input and self.functions.change_cost is not None
 
     def _change(self, chosen: Indices) -> Matrix:
         if self.functions.change_cost is None:
@@ -158,7 +155,7 @@ def search_forward(
     x = checked_vector(x0, functions.nx, "x0")
     before = checked_vector(last_input, schedule[0].inputs.shape[1], "last_input")
     assert x is not None
-    if not schedule[0].mesh.cell(x)[2]:
+    if not schedule[0].mesh.holds(x):
         raise ArgumentError(f"x0 is {x.tolist()}: a state on the axes was expected")
     first = functions.changes(None if before is None else before[None], schedule[0].inputs)
     start = Layer(x[None], np.zeros(1), np.array([-1]), np.array([0]))

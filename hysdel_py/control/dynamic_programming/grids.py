@@ -116,8 +116,13 @@ class Mesh:
         index = np.unravel_index(np.arange(start, self.size if stop is None else stop), tuple(self.counts))
         return np.stack([axis.values[i] for axis, i in zip(self.axes, index, strict=True)], axis=-1)
 
-    def cell(self, x: Matrix) -> tuple[NDArray[np.int64], Matrix, NDArray[np.bool_]]:
-        """Where points lie.
+    def holds(self, x: Matrix) -> NDArray[np.bool_]:
+        """Whether points lie inside."""
+        place = (x - self.low) / self.step
+        return np.asarray(np.all((place >= -ON_NODE) & (place <= self.counts - 1 + ON_NODE), axis=-1))
+
+    def cell(self, x: Matrix) -> tuple[NDArray[np.int64], Matrix]:
+        """Where points lie; of points outside, the nearest cell.
 
         Returns
         -------
@@ -125,11 +130,9 @@ class Mesh:
             Flat index of the lowest corner of the cell.
         fraction : array with the shape of x
             Place within the cell, 0 to 1.
-        inside : array of bool
         """
         place = (x - self.low) / self.step
         last = self.counts - 1
-        inside = np.all((place >= -ON_NODE) & (place <= last + ON_NODE), axis=-1)
         place = np.where(np.isfinite(place), np.clip(place, 0.0, last), 0.0)
         nearest = np.round(place)
         place = np.where(np.abs(place - nearest) <= ON_NODE, nearest, place)
@@ -137,7 +140,7 @@ class Mesh:
         base = np.zeros(x.shape[:-1], dtype=np.int64)
         for i, count in enumerate(self.counts):
             base = base * count + corner[..., i].astype(np.int64)
-        return base, place - corner, inside
+        return base, place - corner
 
     def nearest(self, x: Matrix) -> NDArray[np.int64]:
         """Flat index of the nearest node, of a point inside."""

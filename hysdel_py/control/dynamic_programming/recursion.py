@@ -156,13 +156,11 @@ def built(functions: Functions, k: int, stage: Stage, rows: Rows, is_last: bool,
     """Apply all inputs to some nodes."""
     x, u = stage.mesh.nodes(*rows), stage.inputs
     states, inputs = np.repeat(x, len(u), axis=0), np.tile(u, (len(x), 1))
-    after, cost = functions.step(k, states, inputs)
-    base, fraction, inside = following.mesh.cell(after)
+    after, cost = functions.step(k, states, inputs, following.mesh)
+    base, fraction = following.mesh.cell(after)
     shape = len(x), len(u)
     end = functions.end(after).reshape(shape) if is_last else None
-    return Transitions(
-        np.where(inside, cost, np.inf).reshape(shape), base.reshape(shape), fraction.reshape(*shape, -1), end
-    )  # fmt: skip
+    return Transitions(cost.reshape(shape), base.reshape(shape), fraction.reshape(*shape, -1), end)
 
 
 def swept(

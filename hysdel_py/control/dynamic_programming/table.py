@@ -108,7 +108,7 @@ class FeedbackTable:
         self._require_stage(stage)
         here, following = self.schedule[stage], self.schedule[stage + 1]
         inputs = here.inputs
-        after, cost = self.functions.step(stage, np.repeat(x[None], len(inputs), axis=0), inputs)
+        after, cost = self.functions.step(stage, np.repeat(x[None], len(inputs), axis=0), inputs, following.mesh)
         change = self.functions.changes(None if before is None else before[None], inputs)[0]
         total = cost + change + self._cost_to_go(stage + 1, following, after)
         best = int(np.argmin(total))
@@ -117,18 +117,16 @@ class FeedbackTable:
     def _cost_to_go(self, k: int, stage: Stage, x: Matrix) -> Matrix:
         """Of the states that the inputs lead to, in the order of the inputs."""
         assert self.functions is not None
-        base, fraction, inside = stage.mesh.cell(x)
         if k == self.stages:
-            return np.where(inside, self.functions.end(x), np.inf)
-        place = base, fraction, stage.column_after()
-        ahead = interpolated(stage, self.values[k], *place, self.settings.least_weight)
-        return np.where(inside, ahead, np.inf)
+            return self.functions.end(x)
+        place = *stage.mesh.cell(x), stage.column_after()
+        return interpolated(stage, self.values[k], *place, self.settings.least_weight)
 
     def _stored(self, k: int, x: Matrix, before: Matrix | None, law: str) -> Matrix | None:
         stage = self.schedule[k]
-        base, fraction, inside = stage.mesh.cell(x)
-        if not inside:
+        if not stage.mesh.holds(x):
             return None
+        base, fraction = stage.mesh.cell(x)
         column = self._column(stage, before)
         places = [(int(stage.mesh.nearest(x)), 1.0)] if law == "nearest" else [
             (int(base) + offset, float(weight)) for offset, weight in stage.mesh.corners(fraction) if weight > 0
