@@ -18,6 +18,12 @@ if TYPE_CHECKING:
     from hysdel_py.control.closed_loop import closed_loop
     from hysdel_py.control.costs import Cost
     from hysdel_py.control.disturbance import with_disturbances
+    from hysdel_py.control.dynamic_programming.affine_feedback import AffineFeedback
+    from hysdel_py.control.dynamic_programming.analytical import AnalyticalDp
+    from hysdel_py.control.dynamic_programming.grids import Axis
+    from hysdel_py.control.dynamic_programming.problem import DynamicProgram
+    from hysdel_py.control.dynamic_programming.settings import DpSettings
+    from hysdel_py.control.dynamic_programming.table import FeedbackTable
     from hysdel_py.control.explicit_law import ExplicitLaw
     from hysdel_py.control.hybrid_mpc import HybridMpc, Move, MoveStatus
     from hysdel_py.control.limits import Limits
@@ -40,26 +46,32 @@ if TYPE_CHECKING:
     from hysdel_py.systems.trajectory import Trajectory
 
 __all__ = [
-    "ArgumentError", "CaseFile", "CompileError", "Cost", "Dha", "Difference", "Estimate", "Explanation",
-    "ExplicitLaw", "HybridMpc", "HysdelError", "KalmanObserver", "LcpResult", "LcpSettings", "LcpStatus", "Limits",
-    "Margins", "Mld", "Model", "Move",
-    "MoveStatus", "MovingHorizonEstimator", "MpQp", "MpQpSettings", "NodeLog", "ParametricSolution", "Pwa",
+    "AffineFeedback", "AnalyticalDp", "ArgumentError", "Axis", "CaseFile", "CompileError", "Cost", "Dha", "Difference",
+    "DpSettings", "DynamicProgram", "Estimate", "Explanation", "ExplicitLaw", "FeedbackTable", "HybridMpc",
+    "HysdelError", "KalmanObserver", "LcpResult", "LcpSettings", "LcpStatus", "Limits", "Margins", "Mld", "Model",
+    "Move", "MoveStatus", "MovingHorizonEstimator", "MpQp", "MpQpSettings", "NodeLog", "ParametricSolution", "Pwa",
     "SimulationError", "Trajectory", "Verification", "WellPosedness", "__version__", "audit", "closed_loop", "diff",
-    "explain_infeasible", "load", "read_case", "read_json", "shipped_models", "simulate",
-    "solve_boxed_lcp", "solve_lcp", "solve_mpqp", "to_dha",
-    "to_mld", "to_pwa", "to_symbolic_mld", "verify", "well_posed", "with_disturbances",
+    "explain_infeasible", "load", "read_case", "read_json", "shipped_models", "simulate", "solve_boxed_lcp",
+    "solve_lcp", "solve_mpqp", "to_dha", "to_mld", "to_pwa", "to_symbolic_mld", "verify", "well_posed",
+    "with_disturbances",
 ]  # fmt: skip
 
 _HOME = {
+    "AffineFeedback": "control.dynamic_programming.affine_feedback",
+    "AnalyticalDp": "control.dynamic_programming.analytical",
     "ArgumentError": "errors",
+    "Axis": "control.dynamic_programming.grids",
     "CaseFile": "optimize.case_file",
     "CompileError": "errors",
     "Cost": "control.costs",
     "Dha": "systems.dha",
     "Difference": "analysis.diff_report",
+    "DpSettings": "control.dynamic_programming.settings",
+    "DynamicProgram": "control.dynamic_programming.problem",
     "Estimate": "control.moving_horizon",
     "Explanation": "reports.explanation",
     "ExplicitLaw": "control.explicit_law",
+    "FeedbackTable": "control.dynamic_programming.table",
     "HybridMpc": "control.hybrid_mpc",
     "HysdelError": "errors",
     "KalmanObserver": "control.observer",
