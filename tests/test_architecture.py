@@ -55,7 +55,7 @@ LEAVES = {"plotting", "cli", "lsp"}  # these import what they like, and nobody i
 # What may be imported inside a function on top of that.
 LAZILY = {
     "systems": {"plotting"},
-    "control": {"plotting"},
+    "control": {"plotting", "export"},
     "model": {"shipped"},
     "demos": {"plotting"},
     "analysis": {"lowering"},

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from os import PathLike
+from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal, TypeAlias
 
 import numpy as np
@@ -198,6 +199,12 @@ class FeedbackTable:
         from hysdel_py.control.dynamic_programming.table_file import load_table
 
         return load_table(path)
+
+    def to_c(self, path: str | PathLike[str], prefix: str | None = None) -> tuple[Path, Path]:
+        """Write the table as C99 with the law "interpolate"; returns source and header."""
+        from hysdel_py.export.table_c import table_to_c
+
+        return table_to_c(self, path, prefix)
 
     def describe(self) -> str:
         """Sizes and ranges as text."""

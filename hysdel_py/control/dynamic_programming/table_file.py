@@ -42,7 +42,11 @@ def _content(table: FeedbackTable) -> dict[str, Any]:
         content[f"inputs_{k}"], content[f"values_{k}"] = stage.inputs, table.values[k]
         if stage.before is not None:
             before = stage.before
-            content[f"before_{k}"], content[f"group_{k}"], content[f"changes_{k}"] = before.inputs, before.group, before.changes
+            content[f"before_{k}"], content[f"group_{k}"], content[f"changes_{k}"] = (
+                before.inputs,
+                before.group,
+                before.changes,
+            )
     return content | {f"policy_{k}": policy for k, policy in enumerate(table.policy)}
 
 
