@@ -80,7 +80,10 @@ def run(options: argparse.Namespace) -> int:
     return 0 if result.engaged else 1
 
 
-_OWN = {"clutch": {"horizon": 10, "backend": "auto", "hard": False}, "dp": {"grid": 1.0, "two_inputs": False}}
+_OWN: dict[str, dict[str, object]] = {
+    "clutch": {"horizon": 10, "backend": "auto", "hard": False},
+    "dp": {"grid": 1.0, "two_inputs": False},
+}
 
 
 def _require_own_options(options: argparse.Namespace) -> None:
@@ -92,8 +95,9 @@ def _require_own_options(options: argparse.Namespace) -> None:
 
 
 def _report(result: ClutchDemo | DpDemo) -> str:
+    messages: tuple[str, ...] = ()
     if isinstance(result, DpDemo):
-        title, rows, messages = "Engagement of a dry clutch by numerical dynamic programming", result.rows(), ()
+        title, rows = "Engagement of a dry clutch by numerical dynamic programming", result.rows()
     else:
         title, rows = "Engagement of a dry clutch by hybrid model predictive control", result.table()
         messages = result.messages

@@ -1,9 +1,9 @@
 """One sampled step of a dry clutch between an engine and a vehicle, for many states at once.
 
-``J1 w1' = T1 - Tc``, ``J2 w2' = Tc - b w2``; the clutch transmits any torque up to its capacity while it sticks, and the
-capacity against the slip while it slips. The states are the two speeds, the inputs the capacity and, where asked for,
-the engine torque. Numbers are those of section 9.1 of J.R.P. Kusters, "Modelling and coordinated control of advanced
-automotive transmissions", TU/e, DCT 2005-58, as far as given there, else those of its clutch models.
+``J1 w1' = T1 - Tc``, ``J2 w2' = Tc - b w2``; the clutch transmits any torque up to its capacity while it sticks, and
+the capacity against the slip while it slips. The states are the two speeds, the inputs the capacity and, where asked
+for, the engine torque. Numbers are those of section 9.1 of J.R.P. Kusters, "Modelling and coordinated control of
+advanced automotive transmissions", TU/e, DCT 2005-58, as far as given there, else those of its clutch models.
 """
 
 from __future__ import annotations

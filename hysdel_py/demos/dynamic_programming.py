@@ -1,9 +1,9 @@
 """Engagement of a dry clutch by numerical dynamic programming, section 9.1 of the document.
 
-J.R.P. Kusters, "Modelling and coordinated control of advanced automotive transmissions", TU/e, DCT 2005-58: weights, span,
-sample time, limits of the engine speed and of the relative speed are its own. It gives neither the start, nor the rate
-limit and the range of the clutch torque; here the engine starts at 120 rad/s with the vehicle at rest and the clutch
-open, and the torque reaches 180 Nm at 800 Nm/s at most. Its cost needs two decisions: increments of the input and the
+J.R.P. Kusters, "Modelling and coordinated control of advanced automotive transmissions", TU/e, DCT 2005-58: weights,
+span, sample time, limits of the engine speed and of the relative speed are its own. It gives neither the start, nor the
+rate limit and the range of the clutch torque; here the engine starts at 120 rad/s with the vehicle at rest and the
+clutch open, and the torque reaches 180 Nm at 800 Nm/s at most. Its cost needs two decisions: increments of the input and the
 relative acceleration at lock-up count by their size, and the slip of a step is that at its end.
 """
 
@@ -136,8 +136,8 @@ def judged_engagement(x: Matrix, u: Matrix, first_torque: float = OPEN_CLUTCH) -
     Returns
     -------
     dict
-        ``cost`` and its parts ``slip, increments, lock_up``; ``least_engine_speed`` and ``engine_speed_margin`` [rad/s];
-        ``lock_time`` [s] and ``lock_acceleration`` [rad/s^2], None without lock-up; ``end_slip`` [rad/s].
+        ``cost`` and its parts ``slip, increments, lock_up``; ``least_engine_speed`` and ``engine_speed_margin``
+        [rad/s]; ``lock_time`` [s] and ``lock_acceleration`` [rad/s^2], None without lock-up; ``end_slip`` [rad/s].
     """
     task = Engagement()
     slip = x[1:, 0] - x[1:, 1]

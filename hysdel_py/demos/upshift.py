@@ -1,7 +1,7 @@
 """The controllable phase of a 1-2 upshift by analytical dynamic programming, section 9.2 of the document.
 
-J.R.P. Kusters, "Modelling and coordinated control of advanced automotive transmissions", TU/e, DCT 2005-58, figure 9.2: the
-one-way clutch of first gear has let go, the wet clutch carries the whole torque, and at the end its two sides turn
+J.R.P. Kusters, "Modelling and coordinated control of advanced automotive transmissions", TU/e, DCT 2005-58, figure 9.2:
+the one-way clutch of first gear has let go, the wet clutch carries the whole torque, and at the end its two sides turn
 equally fast. The document gives the structure and the cost but no numbers. Here ratios, final drive, vehicle and
 driveshaft are those of its transmission in section 10.5, seen at the gearbox output; the gearbox inertia and the lag of
 the clutch are ours.
@@ -14,9 +14,9 @@ the clutch are ours.
     Jv wv' = k twist + d (wo - wv) - b wv - TL    vehicle
     lag Tc' = uc - Tc                             clutch actuator
 
-The inputs are the engine torque Te and the wanted clutch torque uc; the relative speed ``we - i2 wo`` is zero at the end.
-The process cost is the squared change of the vehicle's acceleration from step to step, and deviations of the inputs from
-their values at the start.
+The inputs are the engine torque Te and the wanted clutch torque uc; the relative speed ``we - i2 wo`` is zero at the
+end. The process cost is the squared change of the vehicle's acceleration from step to step, and deviations of the inputs
+from their values at the start.
 """
 
 from __future__ import annotations

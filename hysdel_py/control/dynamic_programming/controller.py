@@ -18,8 +18,8 @@ Matrix = NDArray[np.float64]
 class TableController:
     """Asks a table for one input after the other.
 
-    The controller counts the stages; :meth:`reset` starts again. With ``receding`` it stays at the first stage, so that the
-    horizon moves along as in predictive control.
+    The controller counts the stages; :meth:`reset` starts again. With ``receding`` it stays at the first stage, so that
+    the horizon moves along as in predictive control.
 
     Attributes
     ----------
@@ -39,7 +39,7 @@ class TableController:
         """Start again at the first stage."""
         self.stage = self.table.first
 
-    def solve(self, x: ArrayLike, ref: object = None, last_input: ArrayLike | None = None) -> Move:
+    def solve(self, x: ArrayLike, ref: object = None, last_input: ArrayLike | None = None) -> Move:  # noqa: ARG002
         """The next move.
 
         Parameters

@@ -87,7 +87,7 @@ def _words(planned: float, cost: float) -> str:
 def _trajectory(x: Matrix, u: Matrix, costs: Matrix, variables: Mapping[str, Any], sample_time: float) -> Trajectory:
     nothing = np.zeros((len(u), 0))
     return Trajectory(
-        np.arange(len(x)) * sample_time, x, u, nothing, nothing, nothing,
+        np.arange(len(x), dtype=np.float64) * sample_time, x, u, nothing, nothing, nothing,
         variables={**variables, "y": (), "d": (), "z": ()}, info={"cost": costs},
     )  # fmt: skip
 

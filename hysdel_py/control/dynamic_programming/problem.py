@@ -18,8 +18,8 @@ from hysdel_py.control.dynamic_programming.refinement import Refined, refined
 from hysdel_py.control.dynamic_programming.schedule import Stage, remembered
 from hysdel_py.control.dynamic_programming.settings import DpSettings
 from hysdel_py.control.dynamic_programming.table import FeedbackTable
-from hysdel_py.errors import ArgumentError
-from hysdel_py.systems.signals import Kind
+from hysdel_py.errors import ArgumentError, SimulationError
+from hysdel_py.systems.signals import Kind, Variable
 
 __all__ = ["DynamicProgram"]
 
@@ -110,10 +110,35 @@ class DynamicProgram:
     @property
     def variables(self) -> dict[str, Any]:
         """States and inputs as variables of a system."""
-        return {
-            "x": tuple(axis.variable(Kind.STATE) for axis in self.states),
-            "u": tuple(axis.variable(Kind.INPUT) for axis in self.inputs),
-        }
+        return {"x": self.x, "u": self.u}
+
+    @property
+    def x(self) -> tuple[Variable, ...]:
+        """The states, named as on their axes."""
+        return tuple(axis.variable(Kind.STATE) for axis in self.states)
+
+    @property
+    def u(self) -> tuple[Variable, ...]:
+        """The inputs, named as on their axes."""
+        return tuple(axis.variable(Kind.INPUT) for axis in self.inputs)
+
+    def step(self, x: ArrayLike, u: ArrayLike) -> Matrix:
+        """The plant at one state and input, so that a problem can be the plant of :func:`closed_loop`.
+
+        Raises
+        ------
+        SimulationError
+            The plant has no step here.
+        ArgumentError
+            The plant depends on the stage.
+        """
+        if self.time_varying:
+            raise ArgumentError("the plant depends on the stage: give closed_loop a plant that counts its steps")
+        rows = np.array(x, dtype=float)[None], np.array(u, dtype=float)[None]
+        after = np.asarray(self.functions.plant(*rows), dtype=float)[0]
+        if not np.isfinite(after).all():
+            raise SimulationError((f"the plant returned {after.tolist()}",))
+        return after
 
     def memory(self) -> dict[str, int]:
         """Bytes that :meth:`backward` needs: ``table``, ``transitions`` (kept between stages) and ``work``."""

@@ -7,7 +7,8 @@ For a node x and the input before, b,
     Q_k(x, u) = cost(x, u, x1) + V_k+1(x1, u)        interpolated over x1; exact end cost in the last step
     V_k(x, b) = min_u  Q_k(x, u) + change_cost(b, u)
 
-so that a cost of changes needs no more evaluations of the plant than a problem without one.
+so that a cost of changes needs no more evaluations of the plant than a problem without one. An executor evaluates the
+plant; what is kept of it stays in this process, since sending it around would take longer than the minimum.
 """
 
 from __future__ import annotations
@@ -108,7 +109,7 @@ class Recursion:
         chunks = list(self._chunks(stage))
         common = (following, after, stage.changes, self.settings.least_weight)
         if kept is not None:
-            parts = _mapped(executor, swept, [(transitions, *common) for transitions in kept])
+            parts = (swept(transitions, *common) for transitions in kept)
         else:
             is_last = k == self.stages - 1
             jobs = [(self.functions, k, stage, rows, is_last, *common) for rows in chunks]
@@ -142,8 +143,8 @@ class Recursion:
         if total > self.settings.memory:
             shown = ", ".join(f"{name} {size / 1e9:.3g}" for name, size in need.items())
             raise ArgumentError(
-                f"the run needs {total / 1e9:.3g} GB ({shown}), and {self.settings.memory / 1e9:.3g} GB are allowed: take "
-                "coarser axes, search forward, refine in passes, or raise DpSettings(memory=...)"
+                f"the run needs {total / 1e9:.3g} GB ({shown}), and {self.settings.memory / 1e9:.3g} GB are allowed: "
+                "take coarser axes, search forward, refine in passes, or raise DpSettings(memory=...)"
             )
 
 
