@@ -3,8 +3,8 @@
 J.R.P. Kusters, "Modelling and coordinated control of advanced automotive transmissions", TU/e, DCT 2005-58: weights,
 span, sample time, limits of the engine speed and of the relative speed are its own. It gives neither the start, nor the
 rate limit and the range of the clutch torque; here the engine starts at 120 rad/s with the vehicle at rest and the
-clutch open, and the torque reaches 180 Nm at 800 Nm/s at most. Its cost needs two decisions: increments of the input and the
-relative acceleration at lock-up count by their size, and the slip of a step is that at its end.
+clutch open, and the torque reaches 180 Nm at 800 Nm/s at most. Its cost needs two decisions: increments of the input
+and the relative acceleration at lock-up count by their size, and the slip of a step is that at its end.
 """
 
 from __future__ import annotations

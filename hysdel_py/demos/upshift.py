@@ -15,8 +15,8 @@ the clutch are ours.
     lag Tc' = uc - Tc                             clutch actuator
 
 The inputs are the engine torque Te and the wanted clutch torque uc; the relative speed ``we - i2 wo`` is zero at the
-end. The process cost is the squared change of the vehicle's acceleration from step to step, and deviations of the inputs
-from their values at the start.
+end. The process cost is the squared change of the vehicle's acceleration from step to step, and deviations of the
+inputs from their values at the start.
 """
 
 from __future__ import annotations

@@ -127,7 +127,7 @@ class AffineFeedback:
         return tuple(Variable(name, Type.REAL, Kind(key)) for name in names)
 
     def _state(self, x: ArrayLike) -> Matrix:
-        state = checked_vector(x, self.K.shape[2], "x")
+        state = checked_vector(x, self._variables("x"), "state")
         assert state is not None
         return state
 

@@ -7,6 +7,7 @@ from time import perf_counter
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from hysdel_py.control.dynamic_programming.plan import checked_vector
 from hysdel_py.control.dynamic_programming.table import FeedbackTable, TableLaw
 from hysdel_py.control.move import Move, MoveStatus
 
@@ -69,7 +70,7 @@ class TableController:
     def _asked(self, x: ArrayLike, last_input: ArrayLike | None) -> tuple[Matrix | None, float]:
         table = self.table
         if table.functions is not None and self.law in (None, "lookahead"):
-            state = np.atleast_1d(np.asarray(x, dtype=float))
-            before = None if last_input is None else np.atleast_1d(np.asarray(last_input, dtype=float))
-            return table.ahead(self.stage, state, before)
+            state = checked_vector(x, table.variables["x"], "state")
+            assert state is not None
+            return table.ahead(self.stage, state, checked_vector(last_input, table.variables["u"], "last input"))
         return table(x, self.stage, last_input, self.law), np.nan

@@ -152,8 +152,8 @@ def search_forward(
     progress: Callable[[int, int], Any] | None,
 ) -> ForwardSearch:
     """See :meth:`DynamicProgram.forward`."""
-    x = checked_vector(x0, functions.nx, "x0")
-    before = checked_vector(last_input, schedule[0].inputs.shape[1], "last_input")
+    x = checked_vector(x0, variables["x"], "state")
+    before = checked_vector(last_input, variables["u"], "last input")
     assert x is not None
     if not schedule[0].mesh.holds(x):
         raise ArgumentError(f"x0 is {x.tolist()}: a state on the axes was expected")

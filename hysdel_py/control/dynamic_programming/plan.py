@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from enum import Enum
 from typing import Any
@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from hysdel_py.control.dynamic_programming.evaluation import Functions
-from hysdel_py.errors import ArgumentError
+from hysdel_py.systems.signals import Variable, as_vector
 from hysdel_py.systems.trajectory import Trajectory
 
 __all__ = ["DpPlan", "DpStatus", "checked_vector", "replayed"]
@@ -92,17 +92,14 @@ def _trajectory(x: Matrix, u: Matrix, costs: Matrix, variables: Mapping[str, Any
     )  # fmt: skip
 
 
-def checked_vector(value: ArrayLike | None, size: int, name: str) -> Matrix | None:
-    """A vector of finite numbers, or None.
+def checked_vector(
+    value: ArrayLike | Mapping[str, float] | None, variables: Sequence[Variable], what: str
+) -> Matrix | None:
+    """A state or input by position or by name, or None.
 
     Raises
     ------
     ArgumentError
-        Wrong shape, or an entry that is not finite.
+        See :func:`~hysdel_py.systems.signals.as_vector`.
     """
-    if value is None:
-        return None
-    vector = np.atleast_1d(np.array(value, dtype=float))
-    if vector.shape != (size,) or not np.isfinite(vector).all():
-        raise ArgumentError(f"{name} is {value!r}: {size} finite numbers were expected")
-    return vector
+    return None if value is None else as_vector(value, variables, what)

@@ -135,7 +135,7 @@ class DynamicProgram:
         if self.time_varying:
             raise ArgumentError("the plant depends on the stage: give closed_loop a plant that counts its steps")
         rows = np.array(x, dtype=float)[None], np.array(u, dtype=float)[None]
-        after = np.asarray(self.functions.plant(*rows), dtype=float)[0]
+        after: Matrix = np.asarray(self.functions.plant(*rows), dtype=float)[0]
         if not np.isfinite(after).all():
             raise SimulationError((f"the plant returned {after.tolist()}",))
         return after

@@ -108,6 +108,7 @@ class Recursion:
         value, chosen = np.empty(stage.shape), np.empty(stage.shape, dtype=policy_type(len(stage.inputs)))
         chunks = list(self._chunks(stage))
         common = (following, after, stage.changes, self.settings.least_weight)
+        parts: Iterator[tuple[Matrix, Policy]]
         if kept is not None:
             parts = (swept(transitions, *common) for transitions in kept)
         else:

@@ -58,7 +58,7 @@ def refined(
     for name, value, least in (("passes", passes, 1), ("band", band, 1), ("factor", factor, 2)):
         if isinstance(value, bool) or value != int(value) or value < least:
             raise ArgumentError(f"{name} is {value}: a whole number of at least {least} was expected")
-    before = checked_vector(last_input, len(problem.inputs), "last_input")
+    before = checked_vector(last_input, problem.u, "last input")
     table = problem.backward(executor=executor, progress=progress)
     plans = [table.plan(x0, before)]
     axes = tuple(problem.states), tuple(problem.inputs)

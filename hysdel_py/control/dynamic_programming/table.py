@@ -217,12 +217,12 @@ class FeedbackTable:
         return "\n".join([f"feedback table: {self.stages} stages, {nodes} nodes", *axes])
 
     def _state(self, x: ArrayLike) -> Matrix:
-        state = checked_vector(x, len(self.variables["x"]), "x")
+        state = checked_vector(x, self.variables["x"], "state")
         assert state is not None
         return state
 
     def _input(self, u: ArrayLike | None) -> Matrix | None:
-        return checked_vector(u, len(self.variables["u"]), "last_input")
+        return checked_vector(u, self.variables["u"], "last input")
 
     def _require_stage(self, stage: int) -> None:
         if not self.first <= stage < self.stages:

@@ -319,7 +319,7 @@ def test_wrong_axes_states_and_laws():
         Axis.spaced("x", 0, 1, 0.3)
     table = lattice(0).backward()
     for call, message in (
-        (lambda: table([0.0, 1.0]), "x is"),
+        (lambda: table([0.0, 1.0]), "state"),
         (lambda: table([0.0], 9), "stage is 9"),
         (lambda: table([0.0], 0, [0.0], "guess"), "law is 'guess'"),
         (lambda: table([0.0], 0, None, "nearest"), "last_input is missing"),
