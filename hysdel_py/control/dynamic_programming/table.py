@@ -104,22 +104,20 @@ class FeedbackTable:
 
     def ahead(self, stage: int, x: Matrix, before: Matrix | None) -> tuple[Matrix | None, float]:
         """Best input and its cost by one step of the plant and the cost to go after it."""
-        if self.functions is None:
-            raise ArgumentError('a table from a file does not know the plant: use law="interpolate" or "nearest"')
+        functions = self._known_functions()
         self._require_stage(stage)
         here, following = self.schedule[stage], self.schedule[stage + 1]
         inputs = here.inputs
-        after, cost = self.functions.step(stage, np.repeat(x[None], len(inputs), axis=0), inputs, following.mesh)
-        change = self.functions.changes(None if before is None else before[None], inputs)[0]
+        after, cost = functions.step(stage, np.repeat(x[None], len(inputs), axis=0), inputs, following.mesh)
+        change = functions.changes(None if before is None else before[None], inputs)[0]
         total = cost + change + self._cost_to_go(stage + 1, following, after)
         best = int(np.argmin(total))
         return (inputs[best].copy(), float(total[best])) if np.isfinite(total[best]) else (None, float("inf"))
 
     def _cost_to_go(self, k: int, stage: Stage, x: Matrix) -> Matrix:
         """Of the states that the inputs lead to, in the order of the inputs."""
-        assert self.functions is not None
         if k == self.stages:
-            return self.functions.end(x)
+            return self._known_functions().end(x)
         place = *stage.mesh.cell(x), stage.column_after()
         return interpolated(stage, self.values[k], *place, self.settings.least_weight)
 
@@ -160,8 +158,7 @@ class FeedbackTable:
         x, before = self._state(x0), self._input(last_input)
         if not self.complete:
             return DpPlan(DpStatus.INTERRUPTED, f"interrupted: only the stages from {self.first} on are known")
-        assert self.functions is not None or self.ahead(0, x, before)
-        functions: Any = self.functions
+        functions = self._known_functions()
         inputs, state, last = [], x, before
         planned = np.inf
         for k in range(self.stages):
@@ -223,6 +220,11 @@ class FeedbackTable:
 
     def _input(self, u: ArrayLike | None) -> Matrix | None:
         return checked_vector(u, self.variables["u"], "last input")
+
+    def _known_functions(self) -> Functions:
+        if self.functions is None:
+            raise ArgumentError('a table from a file does not know the plant: use law="interpolate" or "nearest"')
+        return self.functions
 
     def _require_stage(self, stage: int) -> None:
         if not self.first <= stage < self.stages:
