@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from hysdel_py.control.dynamic_programming.checks import checked_stage
 from hysdel_py.control.dynamic_programming.plan import checked_vector
 from hysdel_py.control.move import Move, MoveStatus
 from hysdel_py.errors import ArgumentError
@@ -75,12 +76,12 @@ class AffineFeedback:
 
     def __call__(self, x: ArrayLike, stage: int = 0) -> Matrix:
         """Input at a state."""
-        if not 0 <= stage < self.stages:
-            raise ArgumentError(f"stage is {stage}: one from 0 to {self.stages - 1} was expected")
+        stage = checked_stage(stage, 0, self.stages - 1)
         return np.asarray(self.K[stage] @ self._state(x) + self.k[stage])
 
     def value(self, x: ArrayLike, stage: int = 0) -> float:
-        """Cost to go, infinite where the terminal equality cannot be met any more."""
+        """Cost to go, infinite where the terminal equality cannot be met any more; the last stage is the end."""
+        stage = checked_stage(stage, 0, self.stages)
         state = self._state(x)
         P, p, number = self.values[stage]
         met = self.reachable[stage].distance(state) <= ON_SET
@@ -106,7 +107,7 @@ class AffineFeedback:
                 f"from x0 the terminal equality cannot be met in {self.stages} steps: the inputs do not reach it; "
                 "allow more stages"
             )
-        noise = np.zeros((self.stages, len(x[0]))) if disturbance is None else np.asarray(disturbance, dtype=float)
+        noise = self._noise(disturbance)
         u, system = [], self.problem
         for k in range(self.stages):
             u.append(self(x[-1], k))
@@ -120,6 +121,13 @@ class AffineFeedback:
     def controller(self) -> FeedbackController:
         """A controller for :func:`closed_loop`, which counts the stages."""
         return FeedbackController(self)
+
+    def _noise(self, disturbance: ArrayLike | None) -> Matrix:
+        shape = self.stages, self.K.shape[2]
+        noise = np.zeros(shape) if disturbance is None else np.asarray(disturbance, dtype=float)
+        if noise.shape != shape or not np.isfinite(noise).all():
+            raise ArgumentError(f"disturbance has shape {noise.shape}: finite numbers of shape {shape} were expected")
+        return noise
 
     def _variables(self, key: str) -> tuple[Variable, ...]:
         size = self.K.shape[2] if key == "x" else self.K.shape[1]
@@ -150,4 +158,7 @@ class FeedbackController:
         u = self.feedback(x, self.stage)
         cost = self.feedback.value(x, self.stage)
         self.stage += 1
-        return Move(MoveStatus.OPTIMAL, "optimal, in closed form", u=u, cost=cost, seconds=perf_counter() - begin)
+        words = "optimal, in closed form"
+        if not np.isfinite(cost):
+            words = "the terminal equality cannot be met any more; the input that comes nearest to it"
+        return Move(MoveStatus.OPTIMAL, words, u=u, cost=cost, seconds=perf_counter() - begin)

@@ -24,6 +24,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from hysdel_py.control.dynamic_programming.affine_feedback import AffineFeedback, ReachableSet
+from hysdel_py.control.dynamic_programming.checks import positive, whole
 from hysdel_py.errors import ArgumentError
 
 __all__ = ["AnalyticalDp"]
@@ -76,12 +77,12 @@ class AnalyticalDp:
     names: Mapping[str, tuple[str, ...]] | None = None
 
     def __post_init__(self) -> None:
-        A = np.atleast_2d(np.array(self.A, dtype=float))
-        nx, B = len(A), np.array(self.B, dtype=float)
+        A = np.atleast_2d(_numbers(self.A, "A"))
+        nx, B = len(A), _numbers(self.B, "B")
         nu = B.shape[1] if B.ndim == 2 else 0
         if nx == 0 or nu == 0:
             raise ArgumentError(f"A has shape {A.shape} and B {B.shape}: (nx, nx) and (nx, nu) were expected")
-        m = 0 if self.C is None else np.atleast_2d(np.asarray(self.C, dtype=float)).shape[0]
+        m = 0 if self.C is None else np.atleast_2d(_numbers(self.C, "C")).shape[0]
         shapes = {
             "A": (nx, nx), "B": (nx, nu), "Q": (nx, nx), "R": (nu, nu), "S": (nx, nu), "d": (nx,), "q": (nx,),
             "r": (nu,), "P": (nx, nx), "p": (nx,), "C": (m, nx), "c": (m,),
@@ -90,8 +91,7 @@ class AnalyticalDp:
             object.__setattr__(self, name, _array(getattr(self, name), shape, name))
         for name in ("Q", "R", "P"):
             _require_symmetric(getattr(self, name), name)
-        if isinstance(self.stages, bool) or self.stages != int(self.stages) or self.stages < 1:
-            raise ArgumentError(f"stages is {self.stages}: a whole number of at least 1 was expected")
+        object.__setattr__(self, "stages", whole(self.stages, "stages"))
 
     @classmethod
     def from_continuous(
@@ -100,9 +100,11 @@ class AnalyticalDp:
         """Sample ``x' = A x + B u + d`` with inputs that are held; other arguments as for the constructor."""
         from scipy.linalg import expm
 
-        A, B = np.atleast_2d(np.asarray(A, dtype=float)), np.asarray(B, dtype=float)
+        A, B = np.atleast_2d(_numbers(A, "A")), _numbers(B, "B")
+        if B.ndim != 2 or A.shape != (len(B), len(B)):
+            raise ArgumentError(f"A has shape {A.shape} and B {B.shape}: (nx, nx) and (nx, nu) were expected")
         nx, nu = B.shape
-        drift = np.zeros(nx) if d is None else np.asarray(d, dtype=float)
+        drift, sample_time = _array(d, (nx,), "d"), positive(sample_time, "sample_time")
         block = np.zeros((nx + nu + 1, nx + nu + 1))
         block[:nx, :nx], block[:nx, nx : nx + nu], block[:nx, -1] = A, B, drift
         sampled = expm(block * sample_time)
@@ -176,8 +178,15 @@ def _split(N: Matrix, size: float) -> tuple[Matrix, Matrix, Matrix]:
     return inverse, Vt[rank:].T, U[:, rank:]
 
 
+def _numbers(value: Any, name: str) -> Matrix:
+    try:
+        return np.array(value, dtype=float)
+    except (TypeError, ValueError) as error:
+        raise ArgumentError(f"{name} is no array of numbers: {error}") from None
+
+
 def _array(value: Any, shape: tuple[int, ...], name: str) -> Matrix:
-    array = np.zeros(shape) if value is None else np.array(value, dtype=float)
+    array = np.zeros(shape) if value is None else _numbers(value, name)
     if array.ndim < len(shape):
         array = np.atleast_2d(array) if len(shape) == 2 else np.atleast_1d(array)
     if array.shape != shape:

@@ -47,6 +47,13 @@ def as_plant(plant: Any) -> Callable[..., Matrix]:
     return plant  # type: ignore[no-any-return]
 
 
+def _locked(points: Matrix) -> Matrix:
+    """The points, read-only: a function that changed its arguments in place would falsify every cost after it."""
+    view = points.view()
+    view.flags.writeable = False
+    return view
+
+
 @dataclass(frozen=True)
 class Functions:
     """Plant, costs and constraints of a problem; see :class:`DynamicProgram`."""
@@ -71,43 +78,51 @@ class Functions:
             Next states outside are not admissible either; costs are never asked for such states, and the place of the
             state before stands in for them.
         """
+        x, u = _locked(x), _locked(u)
         after = np.asarray(self._call("plant", k, x, u), dtype=float)
         if after.shape != x.shape:
             raise ArgumentError(f"plant returned shape {after.shape} for {len(x)} states: {x.shape} was expected")
         sound = np.isfinite(after).all(axis=1) if mesh is None else mesh.holds(after)
         if not sound.all():
             after = np.where(sound[:, None], after, x)
-        cost = self._numbers("cost", k, x, u, after)
+        after = _locked(after)
         if self.admissible is not None:
-            cost = np.where(self._truths("admissible", k, x, u, after), cost, np.inf)
-        return after, np.where(sound, cost, np.inf)
+            sound = sound & self._truths("admissible", k, x, u, after)
+        return after, self._numbers("cost", k, x, u, after, where=sound)
 
     def end(self, x: Matrix) -> Matrix:
         """Cost of last states, infinite outside the end set."""
-        cost = np.zeros(len(x)) if self.end_cost is None else self._numbers("end_cost", None, x)
-        return cost if self.end_set is None else np.where(self._truths("end_set", None, x), cost, np.inf)
+        x = _locked(x)
+        inside = np.ones(len(x), dtype=bool) if self.end_set is None else self._truths("end_set", None, x)
+        if self.end_cost is None:
+            return np.where(inside, 0.0, np.inf)
+        return self._numbers("end_cost", None, x, where=inside)
 
     def changes(self, before: Matrix | None, inputs: Matrix) -> Matrix:
         """Cost of each change of input, of shape (len(before), len(inputs)); one row of zeros without such a cost."""
         if self.change_cost is None or before is None:
             return np.zeros((1, len(inputs)))
         first, second = np.repeat(before, len(inputs), axis=0), np.tile(inputs, (len(before), 1))
-        return self._numbers("change_cost", None, first, second).reshape(len(before), len(inputs))
+        everywhere = np.ones(len(first), dtype=bool)
+        changes = self._numbers("change_cost", None, _locked(first), _locked(second), where=everywhere)
+        return changes.reshape(len(before), len(inputs))
 
     def _call(self, name: str, k: int | None, *arguments: Matrix) -> Any:
         more = (k,) if self.time_varying and k is not None else ()
         return getattr(self, name)(*arguments, *more)
 
-    def _numbers(self, name: str, k: int | None, *arguments: Matrix) -> Matrix:
+    def _numbers(self, name: str, k: int | None, *arguments: Matrix, where: Mask) -> Matrix:
+        """Costs, infinite outside a mask; what a function makes of points outside does not matter."""
         count = len(arguments[0])
         values = np.asarray(self._call(name, k, *arguments), dtype=float)
         if values.shape not in ((), (count,)):
             raise ArgumentError(f"{name} returned shape {values.shape} for {count} points: {(count,)} was expected")
-        if np.isnan(values).any() or np.isneginf(values).any():
+        costs = np.where(where, values, np.inf)
+        if np.isnan(costs).any() or np.isneginf(costs).any():
             raise ArgumentError(
                 f"{name} returned NaN or minus infinity: numbers, or infinity where forbidden, expected"
             )
-        return np.broadcast_to(values, (count,))
+        return np.asarray(costs)
 
     def _truths(self, name: str, k: int | None, *arguments: Matrix) -> Mask:
         count = len(arguments[0])

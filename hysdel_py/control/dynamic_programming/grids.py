@@ -6,10 +6,12 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from itertools import product
+from numbers import Real
 
 import numpy as np
 from numpy.typing import NDArray
 
+from hysdel_py.control.dynamic_programming.checks import positive, whole
 from hysdel_py.errors import ArgumentError
 from hysdel_py.systems.signals import Kind, Type, Variable
 
@@ -47,10 +49,9 @@ class Axis:
     unit: str = ""
 
     def __post_init__(self) -> None:
-        if not np.isfinite([self.low, self.high]).all():
+        if not all(isinstance(end, Real) and np.isfinite(float(end)) for end in (self.low, self.high)):
             raise ArgumentError(f"axis {self.name} from {self.low} to {self.high}: finite ends were expected")
-        if self.count != int(self.count) or self.count < 1:
-            raise ArgumentError(f"axis {self.name} has {self.count} values: a whole number of at least 1 was expected")
+        object.__setattr__(self, "count", whole(self.count, f"the number of values of axis {self.name}"))
         if not (self.low < self.high if self.count > 1 else self.low == self.high):
             raise ArgumentError(
                 f"axis {self.name} from {self.low:g} to {self.high:g} with {self.count} values: several values need "
@@ -60,9 +61,9 @@ class Axis:
     @classmethod
     def spaced(cls, name: str, low: float, high: float, step: float, unit: str = "") -> Axis:
         """An axis by its step, which must divide the range."""
-        if not (np.isfinite(step) and step > 0):
-            raise ArgumentError(f"axis {name} has the step {step}: a positive number was expected")
-        cells = (high - low) / step
+        cells = (high - low) / positive(step, f"the step of axis {name}")
+        if not (np.isfinite(cells) and cells >= 0):
+            raise ArgumentError(f"axis {name} from {low} to {high}: finite ends with low <= high were expected")
         if abs(cells - round(cells)) > ON_NODE * max(1.0, abs(cells)):
             raise ArgumentError(f"axis {name}: the step {step:g} does not divide the range from {low:g} to {high:g}")
         return cls(name, low, high, round(cells) + 1, unit)

@@ -10,12 +10,13 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from hysdel_py.control.dynamic_programming.checks import positive, whole
 from hysdel_py.control.dynamic_programming.evaluation import Functions, as_plant
 from hysdel_py.control.dynamic_programming.forward import ForwardSearch, search_forward
 from hysdel_py.control.dynamic_programming.grids import Axis, Mesh, input_points
 from hysdel_py.control.dynamic_programming.recursion import Recursion
 from hysdel_py.control.dynamic_programming.refinement import Refined, refined
-from hysdel_py.control.dynamic_programming.schedule import Stage, remembered
+from hysdel_py.control.dynamic_programming.schedule import Stage, remembered, require_input_memory
 from hysdel_py.control.dynamic_programming.settings import DpSettings
 from hysdel_py.control.dynamic_programming.table import FeedbackTable
 from hysdel_py.errors import ArgumentError, SimulationError
@@ -36,8 +37,9 @@ class DynamicProgram:
         min  sum_k cost(x_k, u_k, x_k+1) + change_cost(u_k-1, u_k) + end_cost(x_N)
         with x_k+1 = plant(x_k, u_k), x_k on its axes, admissible(x_k, u_k, x_k+1), x_N in end_set
 
-    All functions work on many points at once: arrays of shapes (M, nx) and (M, nu) in, an array of shape (M,) out, or
-    (M, nx) from the plant. They must be importable by name where a pool of processes is used.
+    All functions work on many points at once: read-only arrays of shapes (M, nx) and (M, nu) in, an array of shape
+    (M,) out, or (M, nx) from the plant. They must be importable by name where a pool of processes is used. What costs
+    are outside the constraints does not matter, also NaN is no mistake there.
 
     Attributes
     ----------
@@ -57,7 +59,7 @@ class DynamicProgram:
         state: without it the principle of optimality fails, and a cheap path is thrown away.
     sample_time : float
     time_varying : bool
-        The functions get the stage k as one more argument.
+        ``plant``, ``cost`` and ``admissible`` get the stage k as one more argument.
     settings : DpSettings
 
     Raises
@@ -82,15 +84,13 @@ class DynamicProgram:
     def __post_init__(self) -> None:
         for name in ("states", "inputs"):
             object.__setattr__(self, name, _axes(getattr(self, name), name))
-        if isinstance(self.stages, bool) or self.stages != int(self.stages) or self.stages < 1:
-            raise ArgumentError(f"stages is {self.stages}: a whole number of at least 1 was expected")
-        if not (np.isfinite(self.sample_time) and self.sample_time > 0):
-            raise ArgumentError(f"sample_time is {self.sample_time}: a positive number was expected")
+        object.__setattr__(self, "stages", whole(self.stages, "stages"))
+        positive(self.sample_time, "sample_time")
         names = [axis.name for axis in (*self.states, *self.inputs)]
         if len(set(names)) < len(names):
             raise ArgumentError(f"names of axes are used twice: {', '.join(names)}")
-        if not callable(self.cost):
-            raise ArgumentError(f"cost is a {type(self.cost).__name__}: a callable (x, u, x1) was expected")
+        for name, arguments in _CALLED_WITH.items():
+            _require_callable(getattr(self, name), name, arguments)
 
     @property
     def functions(self) -> Functions:
@@ -103,6 +103,7 @@ class DynamicProgram:
     @property
     def schedule(self) -> tuple[Stage, ...]:
         """The same grids at every stage."""
+        require_input_memory(self.inputs, self.change_cost is not None, self.settings)
         points = input_points(self.inputs)
         before = remembered(self.functions, points, points)
         return (Stage(Mesh(tuple(self.states)), points, before),) * (self.stages + 1)
@@ -241,6 +242,17 @@ class DynamicProgram:
 
     def _recursion(self, schedule: tuple[Stage, ...]) -> Recursion:
         return Recursion(self.functions, schedule, self.settings)
+
+
+_CALLED_WITH = {
+    "cost": "(x, u, x1)", "end_cost": "(x)", "end_set": "(x)", "admissible": "(x, u, x1)",
+    "change_cost": "(u_before, u)",
+}  # fmt: skip
+
+
+def _require_callable(function: Any, name: str, arguments: str) -> None:
+    if not callable(function) and (function is not None or name == "cost"):
+        raise ArgumentError(f"{name} is a {type(function).__name__}: a callable {arguments} was expected")
 
 
 def _axes(axes: Sequence[Axis], name: str) -> tuple[Axis, ...]:

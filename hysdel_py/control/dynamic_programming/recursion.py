@@ -13,8 +13,9 @@ plant; what is kept of it stays in this process, since sending it around would t
 
 from __future__ import annotations
 
+import pickle
 from collections.abc import Callable, Iterator
-from concurrent.futures import Executor
+from concurrent.futures import Executor, ProcessPoolExecutor
 from dataclasses import dataclass
 from typing import Any
 
@@ -84,9 +85,10 @@ class Recursion:
     ) -> tuple[list[Matrix], list[Policy], int]:
         """Values and policies of all stages, and the first stage that was finished."""
         self._require_memory()
+        _require_sendable(executor, self.functions)
         N = self.stages
         last = self.schedule[N]
-        end = self.functions.end(last.mesh.nodes())
+        end = np.concatenate([self.functions.end(last.mesh.nodes(*rows)) for rows in self._chunks(last)])
         values = [np.zeros((0, 0))] * N + [np.repeat(end[:, None], last.columns, axis=1)]
         policy: list[Policy] = [np.zeros((0, 0), dtype=np.int16)] * N
         first = N
@@ -219,6 +221,19 @@ def _least(total: Matrix, changes: Matrix) -> tuple[Matrix, Policy]:
             np.minimum(best, candidate, out=best)
         value[:, column], chosen[:, column] = best, index
     return value, chosen
+
+
+def _require_sendable(executor: Executor | None, functions: Functions) -> None:
+    """Functions that a pool of processes cannot find again are told before the start."""
+    if not isinstance(executor, ProcessPoolExecutor):
+        return
+    try:
+        pickle.dumps(functions)
+    except (pickle.PicklingError, AttributeError, TypeError) as error:
+        raise ArgumentError(
+            f"the functions of the problem cannot be sent to processes: {error}; define them at the top of a module, "
+            "or use a pool of threads"
+        ) from None
 
 
 def _mapped(executor: Executor | None, function: Callable[..., Any], jobs: list[tuple[Any, ...]]) -> Iterator[Any]:

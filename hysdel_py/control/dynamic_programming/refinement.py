@@ -10,11 +10,11 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from hysdel_py.control.dynamic_programming.checks import whole
 from hysdel_py.control.dynamic_programming.grids import Axis, Mesh, input_points
 from hysdel_py.control.dynamic_programming.plan import DpPlan, checked_vector
 from hysdel_py.control.dynamic_programming.schedule import Stage, remembered
 from hysdel_py.control.dynamic_programming.table import FeedbackTable
-from hysdel_py.errors import ArgumentError
 
 if TYPE_CHECKING:
     from hysdel_py.control.dynamic_programming.problem import DynamicProgram
@@ -56,8 +56,7 @@ def refined(
 ) -> Refined:
     """See :meth:`DynamicProgram.refine`. Stops after a pass without a plan."""
     for name, value, least in (("passes", passes, 1), ("band", band, 1), ("factor", factor, 2)):
-        if isinstance(value, bool) or value != int(value) or value < least:
-            raise ArgumentError(f"{name} is {value}: a whole number of at least {least} was expected")
+        whole(value, name, least)
     before = checked_vector(last_input, problem.u, "last input")
     table = problem.backward(executor=executor, progress=progress)
     plans = [table.plan(x0, before)]

@@ -2,15 +2,18 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
 from hysdel_py.control.dynamic_programming.evaluation import Functions
-from hysdel_py.control.dynamic_programming.grids import Mesh
+from hysdel_py.control.dynamic_programming.grids import Axis, Mesh
+from hysdel_py.control.dynamic_programming.settings import DpSettings
+from hysdel_py.errors import ArgumentError
 
-__all__ = ["Before", "Stage", "remembered"]
+__all__ = ["Before", "Stage", "remembered", "require_input_memory"]
 
 Matrix = NDArray[np.float64]
 
@@ -68,6 +71,19 @@ class Stage:
     def column_after(self) -> NDArray[np.int64] | int:
         """Column of the table for each input of the stage before."""
         return 0 if self.before is None else self.before.group
+
+
+def require_input_memory(axes: Sequence[Axis], pairs: bool, settings: DpSettings) -> None:
+    """Refuse inputs, or pairs of inputs where changes cost something, that do not fit the memory allowed."""
+    inputs = Mesh(tuple(axes)).size
+    count = inputs**2 if pairs else inputs
+    need = count * 8 * (2 * len(axes) + 3)
+    if need > settings.memory:
+        what = f"{inputs}^2 changes of input" if pairs else f"{inputs} inputs"
+        raise ArgumentError(
+            f"{what} need {need / 1e9:.3g} GB, and {settings.memory / 1e9:.3g} GB are allowed: take coarser axes "
+            "of the inputs, refine in passes, or raise DpSettings(memory=...)"
+        )
 
 
 def remembered(functions: Functions, before: Matrix, inputs: Matrix) -> Before | None:

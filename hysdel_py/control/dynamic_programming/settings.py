@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from numbers import Real
 
+from hysdel_py.control.dynamic_programming.checks import positive, whole
 from hysdel_py.errors import ArgumentError
 
 __all__ = ["DpSettings"]
@@ -31,6 +33,11 @@ class DpSettings:
     least_weight: float = 1e-9
 
     def __post_init__(self) -> None:
-        for name in self.__slots__:
-            if not getattr(self, name) > 0 and name != "keep":
-                raise ArgumentError(f"{name} is {getattr(self, name)}: a positive number was expected")
+        positive(self.least_weight, "least_weight")
+        object.__setattr__(self, "chunk", whole(self.chunk, "chunk"))
+        if self.least_weight > 1:
+            raise ArgumentError(f"least_weight is {self.least_weight}: a share, at most 1, was expected")
+        for name in ("memory", "keep"):
+            value = getattr(self, name)
+            if not (isinstance(value, Real) and float(value) >= 0):
+                raise ArgumentError(f"{name} is {value!r}: a number of bytes was expected")

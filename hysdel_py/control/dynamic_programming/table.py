@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any, Literal, TypeAlias
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from hysdel_py.control.dynamic_programming.checks import checked_stage
 from hysdel_py.control.dynamic_programming.evaluation import Functions
 from hysdel_py.control.dynamic_programming.plan import DpPlan, DpStatus, checked_vector, replayed
 from hysdel_py.control.dynamic_programming.recursion import NO_INPUT, interpolated
@@ -68,8 +69,10 @@ class FeedbackTable:
         return self.first == 0
 
     def value(self, x: ArrayLike, stage: int = 0, last_input: ArrayLike | None = None) -> float:
-        """Cost to go from a state, infinite where there is no way."""
-        return self.ahead(stage, self._state(x), self._input(last_input))[1]
+        """Cost to go from a state, infinite where there is no way, and off the axes."""
+        state, before = self._state(x), self._input(last_input)
+        stage = self._checked_stage(stage)
+        return self.ahead(stage, state, before)[1] if self.schedule[stage].mesh.holds(state) else np.inf
 
     def __call__(
         self,
@@ -88,11 +91,12 @@ class FeedbackTable:
             Needed by "interpolate" and "nearest" where changes of input cost something.
         law : {"lookahead", "interpolate", "nearest"}, optional
             "lookahead", the default where the plant is known, tries all inputs on the plant and takes the best by the
-            cost to go after the step. "interpolate" mixes the stored inputs of the corners of the cell; it needs no
-            plant and is what the C code does. "nearest" takes the stored input of the nearest node.
+            cost to go after the step; it also answers for a measured state off the axes from which some input leads
+            back. "interpolate" mixes the stored inputs of the corners of the cell; it needs no plant and is what the C
+            code does. "nearest" takes the stored input of the nearest node.
         """
         chosen = law or ("lookahead" if self.functions is not None else "interpolate")
-        self._require_stage(stage)
+        stage = self._checked_stage(stage)
         state, before = self._state(x), self._input(last_input)
         match chosen:
             case "lookahead":
@@ -105,7 +109,7 @@ class FeedbackTable:
     def ahead(self, stage: int, x: Matrix, before: Matrix | None) -> tuple[Matrix | None, float]:
         """Best input and its cost by one step of the plant and the cost to go after it."""
         functions = self._known_functions()
-        self._require_stage(stage)
+        stage = self._checked_stage(stage)
         here, following = self.schedule[stage], self.schedule[stage + 1]
         inputs = here.inputs
         after, cost = functions.step(stage, np.repeat(x[None], len(inputs), axis=0), inputs, following.mesh)
@@ -159,6 +163,8 @@ class FeedbackTable:
         if not self.complete:
             return DpPlan(DpStatus.INTERRUPTED, f"interrupted: only the stages from {self.first} on are known")
         functions = self._known_functions()
+        if not self.schedule[0].mesh.holds(x):
+            return DpPlan(DpStatus.INFEASIBLE, self._off_the_axes(x))
         inputs, state, last = [], x, before
         planned = np.inf
         for k in range(self.stages):
@@ -170,12 +176,21 @@ class FeedbackTable:
             state, last = functions.step(k, state[None], u[None])[0][0], u
         return replayed(functions, x, np.array(inputs), before, self.variables, self.sample_time, planned)
 
+    def _off_the_axes(self, x: Matrix) -> str:
+        return f"infeasible: the first state, {self._named(x)}, lies off the axes: {self._ranges()}"
+
+    def _ranges(self) -> str:
+        axes = self.schedule[0].mesh.axes
+        return ", ".join(f"{axis.name} from {axis.low:.6g} to {axis.high:.6g}" for axis in axes)
+
+    def _named(self, x: Matrix) -> str:
+        return ", ".join(f"{v.name} = {value:.6g}" for v, value in zip(self.variables["x"], x, strict=True))
+
     def _dead_end(self, k: int, x: Matrix) -> str:
-        named = ", ".join(f"{v.name} = {value:.6g}" for v, value in zip(self.variables["x"], x, strict=True))
         cause = "the first state" if k == 0 else f"the state of stage {k}"
         return (
-            f"infeasible: from {cause}, {named}, no input of the grid leads into the end set within the constraints; "
-            "widen the axes, take finer ones, or allow more stages"
+            f"infeasible: from {cause}, {self._named(x)}, no input of the grid leads into the end set within the "
+            "constraints; widen the axes, take finer ones, or allow more stages"
         )
 
     def controller(self, law: TableLaw | None = None, *, receding: bool = False) -> TableController:
@@ -226,6 +241,5 @@ class FeedbackTable:
             raise ArgumentError('a table from a file does not know the plant: use law="interpolate" or "nearest"')
         return self.functions
 
-    def _require_stage(self, stage: int) -> None:
-        if not self.first <= stage < self.stages:
-            raise ArgumentError(f"stage is {stage}: one from {self.first} to {self.stages - 1} was expected")
+    def _checked_stage(self, stage: int) -> int:
+        return checked_stage(stage, self.first, self.stages - 1)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from contextlib import suppress
 from os import PathLike
 from typing import Any
 from zipfile import BadZipFile
@@ -17,7 +18,7 @@ from hysdel_py.systems.signals import Kind, Type, Variable
 
 __all__ = ["load_table", "save_table"]
 
-_FORMAT = 1
+_FORMAT = 2
 
 
 def save_table(table: FeedbackTable, path: str | PathLike[str]) -> None:
@@ -31,6 +32,7 @@ def _content(table: FeedbackTable) -> dict[str, Any]:
         "format": np.array(_FORMAT),
         "first": np.array(table.first),
         "sample_time": np.array(table.sample_time),
+        "least_weight": np.array(table.settings.least_weight),
         "remembers": np.array(table.schedule[0].before is not None),
     }
     for key, group in table.variables.items():
@@ -58,13 +60,27 @@ def load_table(path: str | PathLike[str]) -> FeedbackTable:
     ArgumentError
         The file is no feedback table or of another format.
     """
+    content = _read(path)
+    if np.array_equal(content.get("format", 0), _FORMAT):
+        with suppress(KeyError, ValueError):
+            return _table(content)
+    raise ArgumentError(f"{path} holds no feedback table of format {_FORMAT}, or not a whole one")
+
+
+def _read(path: str | PathLike[str]) -> dict[str, Any]:
     try:
-        with np.load(path, allow_pickle=False) as data:
-            content = {name: data[name] for name in data.files}
-    except (BadZipFile, ValueError) as error:
+        data = np.load(path, allow_pickle=False)
+        if isinstance(data, np.ndarray):
+            return {}
+        with data:
+            return {name: data[name] for name in data.files}
+    except (BadZipFile, ValueError, EOFError) as error:
         raise ArgumentError(f"{path} is not an .npz file: {error}") from None
-    if content.get("format") != _FORMAT or "remembers" not in content:
-        raise ArgumentError(f"{path} holds no feedback table of format {_FORMAT}")
+    except OSError as error:
+        raise ArgumentError(f"{path} cannot be read: {error.strerror}") from None
+
+
+def _table(content: dict[str, Any]) -> FeedbackTable:
     count = sum(name.startswith("axes_") for name in content)
     variables = {"x": _variables(content, "x", Kind.STATE), "u": _variables(content, "u", Kind.INPUT)}
     return FeedbackTable(
@@ -75,7 +91,7 @@ def load_table(path: str | PathLike[str]) -> FeedbackTable:
         variables,
         float(content["sample_time"]),
         None,
-        DpSettings(),
+        DpSettings(least_weight=float(content["least_weight"])),
     )
 
 

@@ -20,7 +20,7 @@ from numpy.typing import NDArray
 
 from hysdel_py.errors import ArgumentError
 from hysdel_py.optimize.kernels import lcp as kernels
-from hysdel_py.optimize.lcp.problem import Lcp, LcpSettings, LcpStatus, States, states_of
+from hysdel_py.optimize.lcp.problem import Lcp, LcpSettings, LcpStatus, States, natural_residual, states_of
 
 __all__ = ["follow_path"]
 
@@ -68,10 +68,28 @@ def follow_path(problem: Lcp, guess: Vector | None, settings: LcpSettings) -> tu
         mode = states_of(problem, guess, problem.M @ guess + problem.q)
         warm = _from_basis(one_sided, one_sided.basic(mode), settings)
         if warm is not None and warm[0] is LcpStatus.SOLVED:
-            return warm[0], one_sided.given(warm[1]), warm[2]
+            return warm[0], _centred(problem, one_sided.given(warm[1])), warm[2]
         spent = 0 if warm is None else warm[2]
     status, z, pivots = _path(one_sided.M, one_sided.q, settings)
-    return status, one_sided.given(z), spent + pivots
+    z = one_sided.given(z)
+    return status, _centred(problem, z) if status is LcpStatus.SOLVED else z, spent + pivots
+
+
+def _centred(problem: Lcp, z: Vector) -> Vector:
+    """The unknowns between their bounds from their own system, if that is better.
+
+    The path counts from a bound; where that is far away, small unknowns have lost their digits.
+    """
+    M, q = problem.dense, problem.q
+    w = M @ z + q
+    mode = states_of(problem, z, w)
+    free, exact = mode == 0, np.where(mode < 0, problem.lo, np.where(mode > 0, problem.hi, 0.0))
+    try:
+        exact[free] = np.linalg.solve(M[np.ix_(free, free)], -(q + M @ exact)[free])
+    except np.linalg.LinAlgError:
+        return z
+    better = natural_residual(problem, exact, M @ exact + q) <= natural_residual(problem, z, w)
+    return exact if better else z
 
 
 def _one_sided(problem: Lcp) -> _OneSided:

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from hysdel_py.optimize.lcp.blocks import Blocks
 from hysdel_py.optimize.lcp.fischer import damped_newton
-from hysdel_py.optimize.lcp.problem import Lcp, LcpSettings, LcpStatus, States, states_of
+from hysdel_py.optimize.lcp.problem import Lcp, LcpSettings, LcpStatus, States, natural_residual, states_of
 
 __all__ = ["newton"]
 
@@ -46,11 +46,6 @@ def newton(problem: Lcp, guess: Vector, settings: LcpSettings) -> tuple[LcpStatu
     else:
         status, z, more = damped_newton(problem, start, settings)
     return status, z, steps + more
-
-
-def natural_residual(problem: Lcp, z: Vector, w: Vector) -> float:
-    """Largest entry of ``z - median(lo, z - w, hi)``."""
-    return float(np.abs(z - np.clip(z - w, problem.lo, problem.hi)).max(initial=0.0))
 
 
 def _active_sets(problem: Lcp, blocks: Blocks, guess: Vector, settings: LcpSettings) -> tuple[LcpStatus, Vector, int]:

@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from hysdel_py.errors import ArgumentError
+from hysdel_py.optimize.lcp.checks import numbers
 from hysdel_py.optimize.lcp.enumerative import enumerate_modes, mode_count
 from hysdel_py.optimize.lcp.gauss_seidel import sweep
 from hysdel_py.optimize.lcp.lemke import follow_path
@@ -100,8 +101,7 @@ def solve_boxed_lcp(
     ArgumentError
         As for :func:`solve_lcp`, or bounds that cross.
     """
-    problem = Lcp(M, np.asarray(q, dtype=float), np.asarray(lo, dtype=float), np.asarray(hi, dtype=float))
-    return solve_problem(problem, method, warm, settings=settings)
+    return solve_problem(Lcp(M, numbers(q, "q"), numbers(lo, "lo"), numbers(hi, "hi")), method, warm, settings=settings)
 
 
 def solve_problem(
@@ -152,6 +152,8 @@ def _answered(problem: Lcp, method: LcpMethod, guess: Vector | None, settings: L
     error = residual(problem, z)
     if status is LcpStatus.SOLVED and not error <= settings.tolerance:
         status = LcpStatus.NUMERICAL
+    if status is LcpStatus.NO_SOLUTION and error <= settings.tolerance:
+        status = LcpStatus.SOLVED
     mode = states_of(scaled, x, scaled.M @ x + scaled.q)
     for array in (z, w, mode):
         array.flags.writeable = False
@@ -188,7 +190,10 @@ _WORDS = {
 def _guess(problem: Lcp, warm: LcpResult | ArrayLike | None) -> Vector | None:
     if warm is None:
         return None
-    z = np.array(warm.z if isinstance(warm, LcpResult) else warm, dtype=float)
+    try:
+        z = np.array(warm.z if isinstance(warm, LcpResult) else warm, dtype=float)
+    except (TypeError, ValueError) as error:
+        raise ArgumentError(f"warm is no LcpResult and no array of numbers: {error}") from None
     if z.shape != (problem.n,):
         raise ArgumentError(f"warm has shape {z.shape}: {(problem.n,)} was expected, as q has {problem.n} entries")
     return z if np.isfinite(z).all() else None

@@ -305,3 +305,37 @@ def test_wrong_bounds():
         solve_boxed_lcp([[1.0]], [1.0], 0.0, [1.0, 2.0])
     with pytest.raises(ArgumentError, match="no number keeps"):
         solve_boxed_lcp([[1.0]], [1.0], np.inf, np.inf)
+
+
+@pytest.mark.parametrize("method", ["auto", "enumerative", "lemke", "pgs", "newton"])
+@pytest.mark.parametrize("far", [1e6, 1e12, 1e20])
+def test_a_far_bound_is_no_unit_of_length(method, far):
+    """A bound that stands for none must not make every point look like a solution."""
+    answer = solve_boxed_lcp([[2.0, 1.0], [1.0, 2.0]], [-5.0, -6.0], [0.0, -far], [np.inf, far], method)
+    assert answer.solved
+    np.testing.assert_allclose(answer.z, [4 / 3, 7 / 3], rtol=1e-8)
+
+
+def test_a_far_bound_does_not_hide_a_wrong_point():
+    problem = Lcp(np.eye(2), [-1.0, -1.0], 0.0, 1e12)
+    assert residual(problem, np.zeros(2)) == 1.0
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        (([[1, 2], [3]], [1, 2]), "M is no array of numbers"),
+        (([[1.0]], ["a"]), "q is no array of numbers"),
+        (([[1j]], [1.0]), "M is no array of numbers"),
+    ],
+)
+def test_what_is_no_number_is_told_by_name(arguments, message):
+    with pytest.raises(ArgumentError, match=message):
+        solve_lcp(*arguments)
+
+
+def test_wrong_guesses_and_settings_are_told():
+    with pytest.raises(ArgumentError, match="warm is no LcpResult"):
+        solve_lcp([[1.0]], [1.0], warm=["a"])
+    with pytest.raises(ArgumentError, match="tolerance is None"):
+        LcpSettings(tolerance=None)
