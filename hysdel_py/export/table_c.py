@@ -2,20 +2,22 @@
 
 The function looks up the stored inputs at the corners of the cell that holds the state and mixes those that exist, as
 ``FeedbackTable`` does with ``law="interpolate"``. Its result tells whether there is an input; where there is none it
-writes nothing.
+writes nothing. A macro compiles a program that replays points whose inputs were computed in Python.
 """
 
 from __future__ import annotations
 
-import re
-from collections.abc import Iterable
+from collections.abc import Iterator
 from os import PathLike
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
+from hysdel_py.control.dynamic_programming.checks import whole
 from hysdel_py.errors import ArgumentError
+from hysdel_py.export.c_text import array, check_prefix, comment, float_text, guard, index_type, number_text, prefix_of
+from hysdel_py.export.table_c_test import table_test
 from hysdel_py.version import __version__
 
 if TYPE_CHECKING:
@@ -23,11 +25,10 @@ if TYPE_CHECKING:
 
 __all__ = ["table_to_c"]
 
-_WIDTH = 110
-_NAME = re.compile(r"[A-Za-z][A-Za-z0-9_]*")
 
-
-def table_to_c(table: FeedbackTable, path: str | PathLike[str], prefix: str | None = None) -> tuple[Path, Path]:
+def table_to_c(
+    table: FeedbackTable, path: str | PathLike[str], prefix: str | None = None, *, points: int = 50, seed: int = 0
+) -> tuple[Path, Path]:
     """Write ``NAME.c`` and ``NAME.h``.
 
     Parameters
@@ -37,6 +38,10 @@ def table_to_c(table: FeedbackTable, path: str | PathLike[str], prefix: str | No
     path : path of the source; its ending becomes ``.c``
     prefix : str, optional
         Name of the function and prefix of the macros; the name of the file by default.
+    points : int
+        Points of the self-test, which is compiled where the macro ``PREFIX_SELF_TEST`` is defined.
+    seed : int
+        Of these points.
 
     Returns
     -------
@@ -48,21 +53,22 @@ def table_to_c(table: FeedbackTable, path: str | PathLike[str], prefix: str | No
         A prefix that is no name in C, an unfinished table, or grids that differ from stage to stage.
     """
     source = Path(path).with_suffix(".c")
-    name = prefix or re.sub(r"\W", "_", source.stem, flags=re.ASCII)
-    if not _NAME.fullmatch(name):
-        raise ArgumentError(
-            f"prefix is {name!r}: a name of letters, digits and _ that begins with a letter was expected"
-        )
+    name = check_prefix(prefix) if prefix is not None else prefix_of(source)
     if not table.complete:
         raise ArgumentError("the table is not finished: run the recursion to its end before writing code")
     if not _has_one_grid(table):
         raise ArgumentError(
             "the grids of the table differ from stage to stage: write the table of a run without passes"
         )
+    test = table_test(table, name, whole(points, "points", 0), whole(seed, "seed", 0))
     header = source.with_suffix(".h")
-    source.write_text(_source(table, name, header.name), encoding="ascii")
-    header.write_text(_header(table, name), encoding="ascii")
+    _write(source, "\n".join([_source(table, name, header.name), *test]) + "\n")
+    _write(header, "\n".join(_header(table, name)) + "\n")
     return source, header
+
+
+def _write(path: Path, text: str) -> None:
+    path.write_text(text, encoding="utf-8", newline="\n")
 
 
 def _has_one_grid(table: FeedbackTable) -> bool:
@@ -75,76 +81,65 @@ def _has_one_grid(table: FeedbackTable) -> bool:
     )
 
 
-def _header(table: FeedbackTable, name: str) -> str:
+def _header(table: FeedbackTable, name: str) -> Iterator[str]:
     macro = name.upper()
-    lines = [
-        f"{kind} {i}: {_ascii(v.label)}, {v.low:g} to {v.high:g}"
-        for kind, key in (("x", "x"), ("u", "u"))
-        for i, v in enumerate(table.variables[key])
-    ]
-    last = "last is the input applied before. " if table.schedule[0].before is not None else "last is not used. "
-    return f"""/* Feedback table of {table.stages} stages, sample time {table.sample_time:g}; hysdel_py {__version__}.
- *
- * {chr(10).join([lines[0], *(f" * {line}" for line in lines[1:])])}
- */
-#ifndef {macro}_H
-#define {macro}_H
-#define {macro}_STAGES {table.stages}
-#define {macro}_OUTSIDE 0
-#define {macro}_INSIDE 1
-/* {macro}_INSIDE and an input u, or {macro}_OUTSIDE and u as it was. {last}*/
-int {name}(int stage, const double *x, const double *last, double *u);
-#endif
-"""
-
-
-def _ascii(text: str) -> str:
-    return text.encode("ascii", "replace").decode().replace("*/", "* /")
+    yield from comment(
+        [
+            f"Feedback table of {table.stages} stages, sample time {table.sample_time:g}; hysdel_py {__version__}.",
+            "",
+            *(
+                f"{key} {i}: {v.label}, {v.low:g} to {v.high:g}"
+                for key in "xu"
+                for i, v in enumerate(table.variables[key])
+            ),
+        ]
+    )
+    yield from (f"#ifndef {guard(name)}", f"#define {guard(name)}", f"#define {macro}_STAGES {table.stages}")
+    yield from (f"#define {macro}_OUTSIDE 0", f"#define {macro}_INSIDE 1")
+    uses_last = table.schedule[0].before is not None
+    yield from comment(
+        [
+            f"{macro}_INSIDE and an input u, or {macro}_OUTSIDE and u as it was.",
+            "last is the input applied before." if uses_last else "last is not used.",
+        ]
+    )
+    yield f"int {name}(int stage, const double *x, const double *last, double *u);"
+    yield "#endif"
 
 
 def _source(table: FeedbackTable, name: str, header: str) -> str:
-    stage, mesh = table.schedule[0], table.schedule[0].mesh
-    before = stage.before
-    known = stage.inputs if before is None else before.inputs
-    group = np.zeros(len(known), dtype=int) if before is None else before.group
-    policy = np.stack(table.policy)
+    stage = table.schedule[0]
     inputs, nu = stage.inputs.shape
-    kind = "signed char" if inputs <= 127 else "short" if inputs <= 32767 else "int"
-    strides = np.concatenate([np.cumprod(mesh.counts[:0:-1])[::-1], [1]])
-    tables = [
-        _array("double", "low", mesh.low),
-        _array("double", "step", mesh.step),
-        _array("long", "count", mesh.counts),
-        _array("long", "stride", strides),
-        _array("double", "input", stage.inputs.ravel()),
-        _array("double", "width", np.maximum(np.ptp(known, axis=0), 1e-300)),
-        _array("long", "group", group),
-        _array(kind, "policy", policy.ravel()),
-    ]
     sizes = {
-        "name": name, "macro": name.upper(), "header": header, "nx": len(mesh.axes), "nu": nu, "inputs": inputs,
-        "columns": stage.columns, "nodes": mesh.size, "stages": table.stages,
-        "column": "nearest_column(last)" if before is not None else "0",
-        "least": repr(table.settings.least_weight),
+        "name": name, "macro": name.upper(), "header": header, "nx": len(stage.mesh.axes), "nu": nu, "inputs": inputs,
+        "columns": stage.columns, "nodes": stage.mesh.size,
+        "column": "nearest_column(last)" if stage.before is not None else "0",
+        "least": float_text(table.settings.least_weight),
     }  # fmt: skip
-    return _HEAD.format(**sizes) + "".join(tables) + (_COLUMN if before is not None else "") + _CODE.format(**sizes)
+    column = _COLUMN if stage.before is not None else ""
+    return _HEAD.format(**sizes) + "\n".join(_tables(table)) + "\n" + column + _CODE.format(**sizes)
 
 
-def _array(kind: str, name: str, values: Iterable[Any]) -> str:
-    """A constant array, its numbers exact."""
-    texts = [repr(float(v)) if kind == "double" else str(int(v)) for v in values]
-    lines, line = [], "   "
-    for text in texts:
-        if len(line) + len(text) + 2 > _WIDTH:
-            lines.append(line)
-            line = "   "
-        line += f" {text},"
-    body = "\n".join([*lines, line])
-    return f"static const {kind} {name}[{len(texts)}] = {{\n{body}\n}};\n"
+def _tables(table: FeedbackTable) -> Iterator[str]:
+    stage, mesh = table.schedule[0], table.schedule[0].mesh
+    known = stage.inputs if stage.before is None else stage.before.inputs
+    group = np.zeros(len(known), dtype=int) if stage.before is None else stage.before.group
+    for c_type, name, values in (
+        ("double", "low", mesh.low),
+        ("double", "step", mesh.step),
+        ("long", "count", mesh.counts),
+        ("long", "stride", np.concatenate([np.cumprod(mesh.counts[:0:-1])[::-1], [1]])),
+        ("double", "input", stage.inputs.ravel()),
+        ("double", "width", np.maximum(np.ptp(known, axis=0), 1e-300)),
+        ("long", "group", group),
+        (index_type([-1, len(stage.inputs) - 1])[0], "policy", np.stack(table.policy).ravel()),
+    ):
+        yield from array(f"{c_type} {name}[{len(values)}]", [number_text(value, c_type) for value in values.tolist()])
 
 
 _HEAD = """/* Written by hysdel_py; see {header}. */
 #include "{header}"
+#include <stdint.h>
 #define NX {nx}
 #define NU {nu}
 #define INPUTS {inputs}
@@ -232,5 +227,4 @@ int {name}(int stage, const double *x, const double *last, double *u)
     for (j = 0; j < NU; j++)
         u[j] = sum[j] / share;
     return {macro}_INSIDE;
-}}
-"""
+}}"""

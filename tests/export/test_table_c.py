@@ -1,18 +1,15 @@
 """Feedback tables in C against the same tables in Python."""
 
 import ctypes
-import shutil
-import subprocess
 
 import numpy as np
 import pytest
+from export.compiled_c import needs_gcc, replay, shared
 
 from hysdel_py.control.dynamic_programming.grids import Axis
 from hysdel_py.control.dynamic_programming.problem import DynamicProgram
 from hysdel_py.errors import ArgumentError
 from hysdel_py.export.table_c import table_to_c
-
-COMPILER = shutil.which("gcc") or shutil.which("cc")
 
 
 def problem(remember=True):
@@ -27,15 +24,12 @@ def problem(remember=True):
     )  # fmt: skip
 
 
-@pytest.mark.skipif(COMPILER is None, reason="no C compiler")
+@needs_gcc
 @pytest.mark.parametrize("remember", [True, False])
 def test_c_equals_python(remember, tmp_path):
     table = problem(remember).backward()
     source, _ = table.to_c(tmp_path / "law.c")
-    library = tmp_path / "law.so"
-    flags = ["-std=c99", "-Wall", "-Wextra", "-Wpedantic", "-Werror", "-O1", "-shared", "-fPIC"]
-    subprocess.run([COMPILER, *flags, "-o", library, source], check=True)
-    law = ctypes.CDLL(str(library)).law
+    law = ctypes.CDLL(str(shared(source))).law
     rng, outside = np.random.default_rng(0), 0
     points = np.vstack([rng.uniform([-2.2, -1.1], [2.2, 1.1], (200, 2)), problem().schedule[0].mesh.nodes()])
     for x in points:
@@ -50,6 +44,33 @@ def test_c_equals_python(remember, tmp_path):
     assert 0 < outside < len(points)
 
 
+@needs_gcc
+@pytest.mark.parametrize("remember", [True, False])
+def test_the_self_test_replays_points(remember, tmp_path):
+    source, _ = problem(remember).backward().to_c(tmp_path / "law.c", points=80)
+    result = replay(source, "law")
+    assert (result.returncode, result.stdout) == (0, "0 of 80 points differ\n")
+    text = source.read_text()
+    assert {"0,", "1,"} <= set(text.split("replay_inside[80] = {")[1].split("}")[0].split())
+
+
+@needs_gcc
+def test_the_self_test_sees_a_wrong_entry(tmp_path):
+    table = problem().backward()
+    source, _ = table.to_c(tmp_path / "law.c")
+    step = "double step[2] = {\n    0.5,"
+    assert step in source.read_text()
+    source.write_text(source.read_text().replace(step, "double step[2] = {\n    0.45,"))
+    result = replay(source, "law")
+    assert result.returncode == 1
+    assert "points differ" in result.stdout
+
+
+def test_without_points_there_is_no_self_test(tmp_path):
+    source, _ = problem().backward().to_c(tmp_path / "law.c", points=0)
+    assert "SELF_TEST" not in source.read_text()
+
+
 def test_the_text_is_the_same_every_time(tmp_path):
     table = problem().backward()
     first, header = table_to_c(table, tmp_path / "a.c", "law")
@@ -60,8 +81,11 @@ def test_the_text_is_the_same_every_time(tmp_path):
 
 def test_what_cannot_be_written(tmp_path):
     table = problem().backward()
-    with pytest.raises(ArgumentError, match="prefix is '2a'"):
-        table.to_c(tmp_path / "law.c", "2a")
+    for prefix in ("2a", "while"):
+        with pytest.raises(ArgumentError, match=f"prefix is '{prefix}'"):
+            table.to_c(tmp_path / "law.c", prefix)
+    with pytest.raises(ArgumentError, match="points is -1"):
+        table.to_c(tmp_path / "law.c", points=-1)
     refined = problem().refine([0.5, 0.0], 2, last_input=[0.0, 0.0]).table
     with pytest.raises(ArgumentError, match="differ from stage to stage"):
         refined.to_c(tmp_path / "law.c")

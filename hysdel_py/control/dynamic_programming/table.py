@@ -212,11 +212,16 @@ class FeedbackTable:
 
         return load_table(path)
 
-    def to_c(self, path: str | PathLike[str], prefix: str | None = None) -> tuple[Path, Path]:
-        """Write the table as C99 with the law "interpolate"; returns source and header."""
+    def to_c(
+        self, path: str | PathLike[str], prefix: str | None = None, *, points: int = 50, seed: int = 0
+    ) -> tuple[Path, Path]:
+        """Write the table as C99 with the law "interpolate" and a self-test; returns source and header.
+
+        Options as for :func:`~hysdel_py.export.table_c.table_to_c`.
+        """
         from hysdel_py.export.table_c import table_to_c
 
-        return table_to_c(self, path, prefix)
+        return table_to_c(self, path, prefix, points=points, seed=seed)
 
     def describe(self) -> str:
         """Sizes and ranges as text."""
