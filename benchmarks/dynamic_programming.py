@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import argparse
 from concurrent.futures import ProcessPoolExecutor
+from math import pi, sin
 from time import perf_counter, process_time
 
 import numpy as np
@@ -22,6 +23,22 @@ def regulator(cells):
         Axis("a", -4, 4, 4 * cells + 1), 4, lambda x, u, _x1: 0.5 * (x**2).sum(axis=1) + 0.1 * u[:, 0] ** 2,
         end_cost=lambda x: 2 * (x**2).sum(axis=1),
     )  # fmt: skip
+
+
+def least_time_on(steps, cells, half_width):
+    """The same on a general grid of `cells` per axis, into a square around the origin."""
+    dt = 1.0 / steps
+
+    def step(x, u):
+        return np.stack([x[:, 0] + dt * x[:, 1] + dt**2 / 2 * u[:, 0], x[:, 1] + dt * u[:, 0]], axis=1)
+
+    def away(x):
+        return np.abs(x).max(axis=1) > half_width + 1e-9
+
+    axes = Axis("s", -1.5, 1.5, cells + 1), Axis("v", -1.5, 1.5, cells + 1)
+    return DynamicProgram(
+        step, axes, Axis("a", -1, 1, 3), 4 * steps, lambda x, _u, _x1: dt * away(x), end_set=lambda x: ~away(x)
+    )
 
 
 def least_time(steps):
@@ -65,6 +82,18 @@ def convergence(finest):
             before = error
 
 
+def targets():
+    """Least time on general grids: the end set has to be as wide as what the plant does in a step."""
+    print("\n| end set | steps per second | cells per axis | half width | mean error |\n|---|---|---|---|---|")
+    nodes = [(s, v) for s in np.arange(-1, 1.01, 0.25) for v in (-0.5, 0.0, 0.5) if s or v]
+    cases = [("half a cell", 10, cells, 1.5 / cells) for cells in (24, 48, 96, 192)]
+    cases += [("a step of the plant", steps, 6 * steps, 1.0 / steps) for steps in (4, 8, 16, 32)]
+    for name, steps, cells, width in cases:
+        table = least_time_on(steps, cells, width).backward()
+        error = np.mean([abs(table.value(x) - exact_time(x)) for x in nodes])
+        print(f"| {name} | {steps} | {cells} | {width:.4f} | {error:.4f} |", flush=True)
+
+
 def scaling():
     print("\n| grid [rad/s] | torque step [Nm] | engine torques | transitions | table [MB] | CPU s | planned | cost |")
     print("|---|---|---|---|---|---|---|---|")
@@ -80,28 +109,64 @@ def scaling():
         print("|", " | ".join(map(str, cells)), f"| {plan.planned:.0f} | {plan.cost:.0f} |", flush=True)
 
 
+def pendulum(x, u):
+    """A pendulum with a motor, state by state in Python: 100 steps of Heun's method."""
+    after = np.empty_like(x)
+    for i, (state, torque) in enumerate(zip(x.tolist(), u[:, 0].tolist(), strict=True)):
+        angle, speed = state
+        for _ in range(100):
+            rate = torque - sin(angle) - 0.1 * speed
+            ahead = torque - sin(angle + 0.002 * speed) - 0.1 * (speed + 0.002 * rate)
+            angle, speed = angle + 0.002 * speed + 0.000002 * rate, speed + 0.001 * (rate + ahead)
+        after[i] = angle, speed
+    return after
+
+
+def upright(x, u, _x1):
+    return (x[:, 0] - pi) ** 2 + 0.1 * x[:, 1] ** 2 + 0.1 * u[:, 0] ** 2
+
+
 def processes():
-    print("\n| processes | s | same table |\n|---|---|---|")
-    problem = engagement_problem(1.0, 5.0)
-    begin = perf_counter()
-    alone = problem.backward()
-    print(f"| none | {perf_counter() - begin:.2f} | |")
-    for workers in (1, 2):
-        with ProcessPoolExecutor(workers) as pool:
-            list(pool.map(abs, range(workers)))
-            begin = perf_counter()
-            table = problem.backward(executor=pool)
-            seconds = perf_counter() - begin
-        same = all(np.array_equal(a, b) for a, b in zip(alone.values, table.values, strict=True))
-        print(f"| {workers} | {seconds:.2f} | {same} |", flush=True)
+    print("\n| plant | processes | s | times as fast | same table |\n|---|---|---|---|---|")
+    axes = (Axis("angle", -4, 4, 41), Axis("speed", -4, 4, 41)), Axis("torque", -1, 1, 9)
+    problems = {
+        "clutch, all rows at once": engagement_problem(2.0),
+        "pendulum, row by row": DynamicProgram(pendulum, *axes, 10, upright),
+    }
+    for name, problem in problems.items():
+        begin = perf_counter()
+        alone = problem.backward()
+        reference = perf_counter() - begin
+        print(f"| {name} | none | {reference:.2f} | | |", flush=True)
+        for workers in (1, 2):
+            seconds, table = timed_with(problem, workers)
+            same = all(
+                a.tobytes() == b.tobytes()
+                for one, other in ((alone.values, table.values), (alone.policy, table.policy))
+                for a, b in zip(one, other, strict=True)
+            )
+            print(f"| | {workers} | {seconds:.2f} | {reference / seconds:.2f} | {same} |", flush=True)
+
+
+def timed_with(problem, workers):
+    with ProcessPoolExecutor(workers) as pool:
+        list(pool.map(abs, range(workers)))
+        begin = perf_counter()
+        table = problem.backward(executor=pool)
+        return perf_counter() - begin, table
 
 
 if __name__ == "__main__":
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--finest", type=int, default=4, help="how many sizes the study of convergence takes")
-    parser.add_argument("--part", choices=["convergence", "scaling", "processes"], help="only this part")
+    parser.add_argument("--part", choices=["convergence", "targets", "scaling", "processes"], help="only this part")
     options = parser.parse_args()
-    parts = {"convergence": lambda: convergence(options.finest), "scaling": scaling, "processes": processes}
+    parts = {
+        "convergence": lambda: convergence(options.finest),
+        "targets": targets,
+        "scaling": scaling,
+        "processes": processes,
+    }
     for name, part in parts.items():
         if options.part in (None, name):
             part()

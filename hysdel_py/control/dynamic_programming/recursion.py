@@ -35,6 +35,8 @@ Rows = tuple[int, int]
 
 NO_INPUT = -1
 """Entry of a policy where no input is admissible."""
+LEAST_JOBS = 32
+"""Least number of jobs that a stage is cut into for an executor, where it has as many nodes."""
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -108,7 +110,7 @@ class Recursion:
     ) -> tuple[Matrix, Policy]:
         stage, following = self.schedule[k], self.schedule[k + 1]
         value, chosen = np.empty(stage.shape), np.empty(stage.shape, dtype=policy_type(len(stage.inputs)))
-        chunks = list(self._chunks(stage))
+        chunks = list(self._chunks(stage, executor))
         common = (following, after, stage.changes, self.settings.least_weight)
         parts: Iterator[tuple[Matrix, Policy]]
         if kept is not None:
@@ -123,11 +125,14 @@ class Recursion:
 
     def _built(self, executor: Executor | None, k: int) -> Iterator[Transitions]:
         stage, following = self.schedule[k], self.schedule[k + 1]
-        jobs = [(self.functions, k, stage, rows, False, following) for rows in self._chunks(stage)]
+        jobs = [(self.functions, k, stage, rows, False, following) for rows in self._chunks(stage, executor)]
         return _mapped(executor, built, jobs)
 
-    def _chunks(self, stage: Stage) -> Iterator[Rows]:
+    def _chunks(self, stage: Stage, executor: Executor | None = None) -> Iterator[Rows]:
+        """Rows of nodes; with an executor at least so many that every worker has some."""
         size = max(1, self.settings.chunk // max(len(stage.inputs), stage.columns))
+        if executor is not None:
+            size = min(size, -(-stage.mesh.size // LEAST_JOBS))
         for start in range(0, stage.mesh.size, size):
             yield start, min(start + size, stage.mesh.size)
 

@@ -340,3 +340,39 @@ def test_interpolation_is_exact_for_multilinear_functions():
     found = sum(weight * values[base + offset] for offset, weight in mesh.corners(fraction))
     np.testing.assert_allclose(found, 1 + x[:, 0] - 2 * x[:, 1] + 3 * x[:, 0] * x[:, 1])
     assert not mesh.holds(np.array([[2.1, 0, 3]]))[0]
+
+
+def test_least_time_on_general_grids_needs_an_end_set_as_wide_as_a_step():
+    def mean_error(steps):
+        dt = 1.0 / steps
+
+        def away(x):
+            return np.abs(x).max(axis=1) > dt + 1e-9
+
+        axes = (Axis("s", -1.5, 1.5, 6 * steps + 1), Axis("v", -1.5, 1.5, 6 * steps + 1))
+        table = DynamicProgram(
+            lambda x, u: np.stack([x[:, 0] + dt * x[:, 1] + dt**2 / 2 * u[:, 0], x[:, 1] + dt * u[:, 0]], axis=1),
+            axes, Axis("a", -1, 1, 3), 4 * steps, lambda x, u, x1: dt * away(x), end_set=lambda x: ~away(x),
+        ).backward()  # fmt: skip
+        return np.mean([abs(table.value([s, 0.0]) - 2 * np.sqrt(abs(s))) for s in (-1.0, -0.5, 0.5, 1.0)])
+
+    errors = [mean_error(steps) for steps in (4, 8, 16)]
+    assert errors[1] < 0.6 * errors[0]
+    assert errors[2] < 0.6 * errors[1]
+
+
+def test_an_executor_gets_several_jobs_and_the_table_stays_the_same():
+    class Counting(ThreadPoolExecutor):
+        jobs = 0
+
+        def submit(self, *arguments, **more):
+            self.jobs += 1
+            return super().submit(*arguments, **more)
+
+    problem = lattice(3, stages=2)
+    with Counting(2) as pool:
+        shared = problem.backward(executor=pool)
+        assert pool.jobs == 2 * 11
+    alone = problem.backward()
+    for one, other in zip(alone.values + alone.policy, shared.values + shared.policy, strict=True):
+        assert one.tobytes() == other.tobytes()
