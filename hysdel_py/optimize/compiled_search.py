@@ -83,7 +83,7 @@ def _room(size: int, n: int, width: int) -> tuple[Any, ...]:
     whole = [np.zeros(shape, dtype=np.int64) for shape in (size, (size, width), size)]
     real = [np.zeros(shape) for shape in ((size, n), (size, n), size)]
     split = np.zeros((size, 2), dtype=np.int64)
-    return (*real, split, *whole, np.arange(size))
+    return (*real, split, *whole, np.arange(size), np.zeros((size, n)))
 
 
 def _decisions(miqp: Miqp) -> tuple[NDArray[np.int64], NDArray[np.bool_]]:
@@ -207,9 +207,10 @@ class CompiledSearch:
             if counters[tree.OPEN] >= len(self.space.tree[7]):
                 self.space.grow()
             box = node.box.lb, node.box.ub
-            tree.push(
-                self.space.tree, counters, box, float(node.bound), int(node.variable), float(node.value), NO_GUESS
-            )
+            near = np.array(box[0] if node.guess is None else node.guess.x)
+            near = np.where(np.isfinite(near), near, 0.0)
+            fixed = int(node.variable), float(node.value)
+            tree.push(self.space.tree, counters, box, float(node.bound), *fixed, NO_GUESS, near)
         counters[tree.DIVE] = len(s.stack) > 0
         s.stack.clear()
 

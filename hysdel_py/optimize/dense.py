@@ -116,7 +116,7 @@ class DenseSolver:
             self.groups,
             box,
             (qp.lb, qp.ub),
-            NO_GUESS if guess is None else guess,
+            (NO_GUESS if guess is None else guess, np.zeros(0)),
             (np.inf, 0.0, np.zeros(0), 0.0),
             (s.tolerance, s.iterations, s.proximity, s.rounds, s.largest),
         )

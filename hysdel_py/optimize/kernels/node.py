@@ -31,8 +31,9 @@ def solve_node(problem, groups, box, wide, guess, cutoff, settings):
     ----------
     problem, groups, box, wide
         See :func:`hysdel_py.optimize.kernels.condensing.condense`.
-    guess : array of shape (rows, 2)
-        Active inequalities of a similar node: row (or m + variable) and sign of the side.
+    guess : (active, near)
+        Active inequalities of a similar node, row (or m + variable) and sign of the side, an array of shape (rows, 2);
+        and its solution, an array of length n, or of length 0 if there is none.
     cutoff : (value, constant, curvature, rounding)
         The solution may stop once a bound reaches `value`, which :func:`bound_below` has to confirm with the rest;
         infinite for a solution.
@@ -42,7 +43,7 @@ def solve_node(problem, groups, box, wide, guess, cutoff, settings):
     Returns
     -------
     status, iterations, w, y, active
-        `y` are multipliers of all rows, or a ray of Farkas for an empty node; `active` has the form of `guess`.
+        `y` are multipliers of all rows, or a ray of Farkas for an empty node; `active` has the form of the one in `guess`.
     """
     condensed = condense(problem, groups, box, wide)
     Z, z0, H, f, N, b, source = condensed[:7]
@@ -60,8 +61,8 @@ def solve_node(problem, groups, box, wide, guess, cutoff, settings):
     if not sound:
         return LIMIT, 0, z0, np.zeros(m), np.zeros((0, 2), dtype=np.int64)
     work = work_space(J)
-    start_from(places_of(guess, source, m, len(Z)), N, work)
-    centre = middle(condensed[10], box, k)
+    start_from(places_of(guess[0], source, m, len(Z)), N, work)
+    centre = centre_in(condensed[10], box, guess[1], k)
     iterations = 0
     if cutoff[0] < np.inf:
         target = cutoff[0] - value_at(problem, z0) - cutoff[1] - 0.5 * rho * square(centre, 0)
@@ -112,12 +113,24 @@ def lifted(problem, groups, condensed, work, status, row):
 
 
 @compiled
-def middle(place, box, k):
-    """Middle of the box in the free variables."""
+def centre_in(place, box, near, k):
+    """Where the proximal steps begin: the point of the box nearest to `near`, or its middle."""
+    start = near if len(near) else middle(box)
     centre = np.zeros(k)
     for j in range(len(place)):
-        if place[j] >= 0 and box[0][j] > -np.inf and box[1][j] < np.inf:
-            centre[place[j]] = 0.5 * (box[0][j] + box[1][j])
+        if place[j] >= 0:
+            centre[place[j]] = min(max(start[j], box[0][j]), box[1][j])
+    return centre
+
+
+@compiled
+def middle(box):
+    """Middle of a box, 0 for a variable without bounds."""
+    lb, ub = box
+    centre = np.zeros(len(lb))
+    for j in range(len(lb)):
+        if lb[j] > -np.inf and ub[j] < np.inf:
+            centre[j] = 0.5 * (lb[j] + ub[j])
     return centre
 
 

@@ -12,7 +12,7 @@ import numpy as np
 from hysdel_py.optimize.compiled import compiled, leaf
 from hysdel_py.optimize.kernels.certificate import bound_below, excess, farkas_bound
 from hysdel_py.optimize.kernels.guessing import fix_word, follow, queue_rows
-from hysdel_py.optimize.kernels.node import BEATEN, EMPTY, SOLVED, solve_node, value_at
+from hysdel_py.optimize.kernels.node import BEATEN, EMPTY, SOLVED, middle, solve_node, value_at
 from hysdel_py.optimize.kernels.propagation import propagate
 from hysdel_py.optimize.kernels.tree import DEPTH, DIVE, NODES, OPEN, SOLVES, WORDS, push, take_next, wished
 
@@ -44,9 +44,10 @@ def start(data, tree, state, settings, guess, slice_):
     if not open_root(data, state[6], settings):
         return CALM
     counters[DEPTH] = -1
-    push(tree, counters, state[6], floor, -1, 0.0, active)
+    near = point if len(point) else middle(state[6])
+    push(tree, counters, state[6], floor, -1, 0.0, active, near)
     if len(point):
-        try_point(data, point, active, state, settings)
+        try_point(data, point, (active, near), state, settings)
     if len(word):
         try_word(data, word, state, settings)
     return run(data, tree, state, settings, slice_)
@@ -221,15 +222,15 @@ def look_around(data, box, w, active, state, settings):
         if state[1][OBJECTIVE] >= before:
             inside = box[0].copy(), box[1].copy()
             if follow(data[0], data[2], inside, w, data[4], drive, settings[2]):
-                try_settled(data, inside, active, state, settings)
+                try_settled(data, inside, (active, w), state, settings)
 
 
 @compiled
-def try_point(data, x, active, state, settings):
+def try_point(data, x, guess, state, settings):
     """Guess a word by the drivers of any point, within the bounds of the whole problem."""
     box = state[6][0].copy(), state[6][1].copy()
     if follow(data[0], data[2], box, x, data[4], True, settings[2]):
-        try_settled(data, box, active, state, settings)
+        try_settled(data, box, guess, state, settings)
 
 
 @compiled
@@ -237,11 +238,11 @@ def try_word(data, word, state, settings):
     """Solve with given binaries; the point becomes the incumbent if it is better."""
     box = state[6][0].copy(), state[6][1].copy()
     if fix_word(data[0], data[2], box, data[5], word, settings[2]):
-        polish(data, box, np.zeros((0, 2), dtype=np.int64), state, settings)
+        polish(data, box, (np.zeros((0, 2), dtype=np.int64), np.zeros(0)), state, settings)
 
 
 @compiled
-def try_settled(data, settled, active, state, settings):
+def try_settled(data, settled, guess, state, settings):
     """Solve with the binaries of a box that has no choice left, unless they have been tried."""
     binaries, words, counters = data[5], state[5], state[2]
     word = np.empty(len(binaries))
@@ -256,13 +257,13 @@ def try_settled(data, settled, active, state, settings):
     counters[WORDS] += 1
     box = state[6][0].copy(), state[6][1].copy()
     if fix_word(data[0], data[2], box, binaries, word, settings[2]):
-        polish(data, box, active, state, settings)
+        polish(data, box, guess, state, settings)
 
 
 @compiled
-def polish(data, box, active, state, settings):
+def polish(data, box, guess, state, settings):
     """Solve for the real variables of a box without a choice and offer the point."""
-    status, w, _, _ = judge(data, box, active, state, settings)
+    status, w, _, _ = judge(data, box, guess, state, settings)
     if status == SOLVED:
         offer(data, box, w, state, settings)
 
@@ -273,8 +274,8 @@ def split(data, tree, box, w, active, state, settings):
     counters = state[2]
     j = branching_variable(box[0], box[1], w, data[5], data[6], settings[4])
     near = 1.0 if w[j] > 0.5 else 0.0
-    push(tree, counters, box, state[1][BOUND], j, 1.0 - near, active)
-    push(tree, counters, box, state[1][BOUND], j, near, active)
+    push(tree, counters, box, state[1][BOUND], j, 1.0 - near, active, w)
+    push(tree, counters, box, state[1][BOUND], j, near, active, w)
     counters[DIVE] = 1
 
 

@@ -1,8 +1,8 @@
 """The open nodes of a search in arrays, and which of them is looked at next.
 
-A tree is the tuple (lb, ub, bound, split, depth, active, used, order): per slot the box of the parent, its certified
+A tree is the tuple (lb, ub, bound, split, depth, active, used, order, near): per slot the box of the parent, its certified
 bound, the binary that is fixed and its value, the depth, and the active inequalities of the parent's relaxation as
-numbers ``2 * row + side``, of which `used` count. The first slots in `order` are the open ones in the order in which
+numbers ``2 * row + side``, of which `used` count, and its solution. The first slots in `order` are the open ones in the order in which
 they were opened, the rest are free.
 """
 
@@ -45,7 +45,7 @@ def least_open(bound, order, counters):
 
 
 @compiled
-def push(tree, counters, box, bound, variable, value, active):
+def push(tree, counters, box, bound, variable, value, active, near):
     """Open a node; there has to be a free slot."""
     slot = tree[7][counters[OPEN]]
     counters[OPEN] += 1
@@ -57,13 +57,14 @@ def push(tree, counters, box, bound, variable, value, active):
     for i in range(count):
         tree[5][slot, i] = 2 * active[i, 0] + (1 if active[i, 1] > 0 else 0)
     tree[6][slot] = count
+    tree[8][slot] = near
 
 
 @compiled
 def wished(tree, slot):
-    """The active inequalities that were kept with a node: row (or m + variable) and sign of the side."""
+    """The active inequalities that were kept with a node, row (or m + variable) and sign of the side, and the point."""
     guess = np.empty((tree[6][slot], 2), dtype=np.int64)
     for i in range(len(guess)):
         code = tree[5][slot, i]
         guess[i, 0], guess[i, 1] = code // 2, (1 if code % 2 else -1)
-    return guess
+    return guess, tree[8][slot]
