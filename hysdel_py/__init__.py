@@ -29,6 +29,7 @@ if TYPE_CHECKING:
     from hysdel_py.optimize.case_file import CaseFile, read_case
     from hysdel_py.optimize.mpqp import MpQp, MpQpSettings, ParametricSolution, solve_mpqp
     from hysdel_py.optimize.node_log import NodeLog
+    from hysdel_py.optimize.warm_up import warm_up
     from hysdel_py.reports.explain_infeasible import explain_infeasible
     from hysdel_py.reports.explanation import Explanation
     from hysdel_py.shipped import shipped_models
@@ -44,7 +45,7 @@ __all__ = [
     "MoveStatus", "MovingHorizonEstimator", "MpQp", "MpQpSettings", "NodeLog", "ParametricSolution", "Pwa",
     "SimulationError", "Trajectory", "Verification", "WellPosedness", "__version__", "audit", "closed_loop", "diff",
     "explain_infeasible", "load", "read_case", "read_json", "shipped_models", "simulate", "solve_mpqp", "to_dha",
-    "to_mld", "to_pwa", "to_symbolic_mld", "verify", "well_posed", "with_disturbances",
+    "to_mld", "to_pwa", "to_symbolic_mld", "verify", "warm_up", "well_posed", "with_disturbances",
 ]  # fmt: skip
 
 _HOME = {
@@ -91,6 +92,7 @@ _HOME = {
     "to_pwa": "model",
     "to_symbolic_mld": "model",
     "verify": "analysis.verify",
+    "warm_up": "optimize.warm_up",
     "well_posed": "analysis.well_posed",
     "with_disturbances": "control.disturbance",
 }

@@ -197,10 +197,11 @@ class HybridMpc:
         last = self._last_input(last_input)
         move = self._planner.plan(measured, table, last, warm=warm, sample_time=self.sample_time)
         if move.ok:
-            self._reserve = None if move.predicted is None else Reserve(move.predicted.u)
+            if self._fallback is not None:
+                self._reserve = None if move.predicted is None else Reserve(move.predicted.u)
         elif self._fallback is not None:
             move = self._fall_back(move, measured, table, last)
-        return replace(move, seconds=time.perf_counter() - begin)
+        return move.at(time.perf_counter() - begin)
 
     def _last_input(self, given: LastInput) -> Matrix | None:
         if given is not None:

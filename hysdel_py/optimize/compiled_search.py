@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from math import inf
 from typing import TYPE_CHECKING, Any
 
@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from hysdel_py.optimize.certificate import UNIT_ROUNDOFF
 from hysdel_py.optimize.compiled import kernels_are_compiled
 from hysdel_py.optimize.dense import NO_GUESS, DenseSolver
-from hysdel_py.optimize.mixed_integer import Miqp, MiqpResult, MiqpSettings, MiqpStatus, SearchInfo
+from hysdel_py.optimize.mixed_integer import Miqp, MiqpResult, MiqpSettings, SearchInfo
 from hysdel_py.optimize.propagation import Box
 from hysdel_py.optimize.qp import Qp
 from hysdel_py.optimize.search import Node, Search
@@ -50,8 +50,9 @@ class Workspace:
         self.rounding = 2 * (n + m + 8) * UNIT_ROUNDOFF
         self.tree = _room(ROOM, n, min(n, dense.settings.largest))
         self.state = (
-            np.zeros(n), np.zeros(3), np.zeros(6, dtype=np.int64), (np.zeros(n), np.zeros(n)), np.full(n, np.nan),
-            np.zeros(WORDS, dtype=np.int64), (np.zeros(n), np.zeros(n)),
+            np.zeros(n), np.zeros(3), np.zeros(9, dtype=np.int64), (np.zeros(n), np.zeros(n)), np.full(n, np.nan),
+            np.zeros(WORDS, dtype=np.int64), (np.zeros(n), np.zeros(n)), np.zeros((n, 2), dtype=np.int64),
+            np.zeros((WORDS, len(self.binaries))),
         )  # fmt: skip
         s, d, p = settings, dense.settings, settings.propagation
         self.settings = (
@@ -147,28 +148,55 @@ class CompiledSearch:
 
     def run(self, hints: Hints) -> MiqpResult:
         """Search until the end or until a limit is reached."""
+        if not self._start(hints):
+            return self.search.finished()
+        stop = None
+        while stop is None and self.search.open:
+            self._advance()
+            stop = self.search.reason_to_stop(self.progress)
+        result = self.search.finished() if stop is None else self.search.stopped(stop)
+        return replace(result, active=self._root_active())
+
+    def rehearse(self) -> None:
+        """Load or compile the loop, so that the first search does not have to wait for it."""
+        if self._start(Hints()):
+            self._loop(0)
+
+    def _start(self, hints: Hints) -> bool:
+        """Open the root; False if propagation proves the problem empty."""
+        from hysdel_py.optimize.kernels.search import start
+
+        point, word = (
+            NOTHING if part is None else np.array(part, dtype=float) for part in (hints.point, hints.word)
+        )  # fmt: skip
+        guess = (float(hints.floor), point, word, NO_GUESS if hints.active is None else hints.active)
+        self.search.known, self.search.elsewhere = hints.floor, 1
+        return bool(start(self.data, self.space.tree, self.space.state, self.space.settings, guess))
+
+    def _advance(self) -> None:
+        """One slice of the compiled loop, and what it needs afterwards."""
         from hysdel_py.optimize.kernels import search as kernel
 
-        given = (hints.point, hints.word)
-        point, word = (NOTHING if part is None else np.array(part, dtype=float) for part in given)
-        guess = (float(hints.floor), point, word, NO_GUESS if hints.active is None else hints.active)
-        self.search.known = hints.floor
-        space, search = self.space, self.search
-        reason = kernel.start(self.data, space.tree, space.state, space.settings, guess, self._slice())
-        while True:
-            self._take_over()
-            if reason == kernel.FULL:
-                space.grow()
-            elif reason == kernel.HELP:
-                self._help()
-            elif search.heuristic is not None:
-                self._ask_heuristic()
-            stop = search.reason_to_stop(self.progress) if search.nodes else None
-            if stop is not None:
-                return search.stopped(stop)
-            if not search.open:
-                return search.finished()
-            reason = kernel.run(self.data, space.tree, space.state, space.settings, self._slice())
+        reason = self._loop(self._slice())
+        if reason == kernel.FULL:
+            self.space.grow()
+        elif reason == kernel.HELP:
+            self._help()
+        elif self.search.heuristic is not None:
+            self._ask_heuristic()
+
+    def _loop(self, nodes: int) -> int:
+        from hysdel_py.optimize.kernels.search import run
+
+        reason: int = run(self.data, self.space.tree, self.space.state, self.space.settings, nodes)
+        self._take_over()
+        return reason
+
+    def _root_active(self) -> NDArray[np.int64]:
+        from hysdel_py.optimize.kernels import tree
+
+        active: NDArray[np.int64] = self.space.state[7][: self.space.state[2][tree.ACTIVE]].copy()
+        return active
 
     def _slice(self) -> int:
         """Nodes until somebody has to be told or the clock has to be read."""
@@ -222,7 +250,7 @@ class CompiledSearch:
         _, numbers, counters, box = self.space.state[:4]
         s = self.search
         if not hasattr(s, "root"):
-            s.root = Box(*(side.copy() for side in self.space.state[6]))
+            s.root = Box(self.space.state[6][0].copy(), self.space.state[6][1].copy())
         nodes = s.nodes
         inside = Box(box[0].copy(), box[1].copy())
         s.explore(Node(inside, -1, 0.0, float(numbers[kernel.BOUND]), int(counters[tree.DEPTH]), None))
@@ -241,5 +269,5 @@ class CompiledSearch:
         if np.isnan(relaxed[0]) or (depth and (every == 0 or depth % every)):
             return
         for word in s.words_of_heuristic(Box(box[0].copy(), box[1].copy()), relaxed.copy()):
-            kernel.try_word(self.data, np.clip(np.round(word), 0.0, 1.0), self.space.state, self.space.settings)
-        self._take_over()
+            kernel.note_word(np.clip(np.round(word), 0.0, 1.0), self.space.state)
+        self._loop(0)

@@ -21,6 +21,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from hysdel_py.errors import ArgumentError
 from hysdel_py.optimize.backends.registry import get_backend
+from hysdel_py.optimize.compiled import kernels_are_compiled
 from hysdel_py.optimize.compiled_propagation import CompiledPropagator, propagator
 from hysdel_py.optimize.compiled_search import CompiledSearch, Hints, Workspace
 from hysdel_py.optimize.dense import dense_solver
@@ -64,6 +65,8 @@ class MiqpSolver:
         if self.verified.dense is not None:
             columns = CompiledPropagator(miqp.qp.A, miqp.binaries, self.settings.propagation).columns
             self.workspace = Workspace(miqp, self.settings, self.verified.dense, columns)
+            if kernels_are_compiled():
+                CompiledSearch(self, self._problem(miqp.qp), perf_counter(), None, None).rehearse()
 
     def solve(
         self,

@@ -50,7 +50,7 @@ def bound_below(problem, box, x, y, known):
         else:
             total += least_term(reduced[i], rounding * noise[i], box[0][i], box[1][i])
     total -= rounding * (size + scale)
-    return total if total == total else -np.inf
+    return total if not np.isnan(total) else -np.inf
 
 
 @compiled
@@ -63,7 +63,7 @@ def farkas_bound(problem, box, y, rounding):
     for i in range(n):
         total += least_term(reduced[i], rounding * noise[i], box[0][i], box[1][i])
     total -= rounding * scale
-    return total if total == total else -np.inf
+    return total if not np.isnan(total) else -np.inf
 
 
 @leaf
@@ -118,7 +118,7 @@ def beyond(value, low, high):
     """How far a value is outside its sides."""
     if low <= value <= high:
         return 0.0
-    if not value == value:
+    if np.isnan(value):
         return np.inf
     size = min(abs(low), abs(high))
     if size == np.inf:

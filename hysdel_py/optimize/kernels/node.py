@@ -43,7 +43,8 @@ def solve_node(problem, groups, box, wide, guess, cutoff, settings):
     Returns
     -------
     status, iterations, w, y, active
-        `y` are multipliers of all rows, or a ray of Farkas for an empty node; `active` has the form of the one in `guess`.
+        `y` are multipliers of all rows, or a ray of Farkas for an empty node; `active` has the form that it has in
+        `guess`.
     """
     condensed = condense(problem, groups, box, wide)
     Z, z0, H, f, N, b, source = condensed[:7]

@@ -14,9 +14,22 @@ from hysdel_py.optimize.kernels.certificate import bound_below, excess, farkas_b
 from hysdel_py.optimize.kernels.guessing import fix_word, follow, queue_rows
 from hysdel_py.optimize.kernels.node import BEATEN, EMPTY, SOLVED, middle, solve_node, value_at
 from hysdel_py.optimize.kernels.propagation import propagate
-from hysdel_py.optimize.kernels.tree import DEPTH, DIVE, NODES, OPEN, SOLVES, WORDS, push, take_next, wished
+from hysdel_py.optimize.kernels.tree import (
+    ACTIVE,
+    DEPTH,
+    DIVE,
+    LAST,
+    NODES,
+    OPEN,
+    PENDING,
+    SOLVES,
+    WORDS,
+    push,
+    take_next,
+    wished,
+)
 
-__all__ = ["BOUND", "CALM", "FLOOR", "FULL", "HELP", "OBJECTIVE", "PAUSED", "run", "start", "try_word"]
+__all__ = ["BOUND", "CALM", "FLOOR", "FULL", "HELP", "OBJECTIVE", "PAUSED", "note_word", "run", "start"]
 
 CALM, PAUSED, FULL, HELP = 0, 1, 2, 3
 """Why a slice ended: no open node, its nodes are used up, no room for two more, a node that needs other means."""
@@ -28,8 +41,8 @@ MODULUS = 2**61 - 1
 
 
 @compiled
-def start(data, tree, state, settings, guess, slice_):
-    """Open the root, try what is known of the solution, and look at the first nodes; see :func:`run`.
+def start(data, tree, state, settings, guess):
+    """Open the root and note what is known of the solution; see :func:`run`. False if the problem is proven empty.
 
     Parameters
     ----------
@@ -38,19 +51,20 @@ def start(data, tree, state, settings, guess, slice_):
         active inequalities of a similar problem.
     """
     floor, point, word, active = guess
-    numbers, counters = state[1], state[2]
+    numbers, counters, root = state[1], state[2], state[6]
     numbers[OBJECTIVE] = numbers[FLOOR] = np.inf
     counters[:] = 0
-    if not open_root(data, state[6], settings):
-        return CALM
-    counters[DEPTH] = -1
-    near = point if len(point) else middle(state[6])
-    push(tree, counters, state[6], floor, -1, 0.0, active, near)
-    if len(point):
-        try_point(data, point, (active, near), state, settings)
+    if not open_root(data, root, settings):
+        return False
+    counters[DEPTH], counters[LAST] = -1, tree[7][0]
+    push(tree, counters, root, floor, -1, 0.0, active, point if len(point) else middle(root))
     if len(word):
-        try_word(data, word, state, settings)
-    return run(data, tree, state, settings, slice_)
+        note_word(word, state)
+    if len(point):
+        box = root[0].copy(), root[1].copy()
+        if follow(data[0], data[2], box, point, data[4], True, settings[2]):
+            note_word(box[0][data[5]], state)
+    return True
 
 
 @compiled
@@ -76,7 +90,7 @@ def open_root(data, root, settings):
 
 @compiled
 def run(data, tree, state, settings, slice_):
-    """Look at open nodes until something of :data:`CALM` to :data:`HELP` happens.
+    """Look at guesses and open nodes until something of :data:`CALM` to :data:`HELP` happens.
 
     Parameters
     ----------
@@ -86,31 +100,68 @@ def run(data, tree, state, settings, slice_):
         :func:`hysdel_py.optimize.kernels.certificate.bound_below`.
     tree
         See :mod:`hysdel_py.optimize.kernels.tree`.
-    state : (x, numbers, counters, box, relaxed, words, root)
-        Incumbent; numbers and counters; box and relaxed point of the node at hand; hashes of the words that were
-        guessed; propagated bounds of the whole problem.
+    state : (x, numbers, counters, box, relaxed, words, root, active, pending)
+        Incumbent; numbers and counters; box and relaxed point of the node at hand; words that were guessed, as
+        numbers; propagated bounds of the whole problem, and active inequalities there; words to be tried.
     settings : (gaps, solver, propagation, feasibility, integrality, rounding)
         `gaps` is (absolute, relative).
     slice_ : int
         Largest number of nodes.
     """
-    numbers, counters = state[1], state[2]
-    bounds, order = tree[2], tree[7]
+    counters, box = state[2], state[3]
     stop = counters[NODES] + slice_
-    while counters[OPEN] > 0:
-        if counters[NODES] >= stop:
+    while counters[PENDING] > 0 or counters[OPEN] > 0:
+        guessed = counters[PENDING] > 0
+        if guessed:
+            slot = counters[LAST]  # its relaxation is a good start
+            ready = take_word(data, state, settings)
+        elif counters[NODES] >= stop:
             return PAUSED
-        if counters[OPEN] + 2 > len(order):
+        elif counters[OPEN] + 2 > len(tree[7]):
             return FULL
-        slot = take_next(bounds, order, counters)
-        counters[DIVE] = 0
-        if bounds[slot] >= worthwhile(numbers, settings[0]):
-            numbers[FLOOR] = min(numbers[FLOOR], bounds[slot])
+        else:
+            slot = take_next(tree[2], tree[7], counters)
+            ready = enter(data, tree, slot, state, settings)
+        if not ready:
             continue
-        counters[NODES] += 1
-        if not explore(data, tree, slot, state, settings):
+        status, w, bound, active = judge(data, box, wished(tree, slot), state, settings)
+        if guessed:
+            if status == SOLVED:
+                offer(data, box, w, state, settings)
+        elif not digest(data, tree, (status, w, bound, active), state, settings):
             return HELP
     return CALM
+
+
+@compiled
+def take_word(data, state, settings):
+    """Fix the next word to be tried, within the bounds of the whole problem; False if the rows object."""
+    counters, box = state[2], state[3]
+    counters[PENDING] -= 1
+    box[0][:], box[1][:] = state[6]
+    return fix_word(data[0], data[2], box, data[5], state[8][counters[PENDING]], settings[2])
+
+
+@compiled
+def enter(data, tree, slot, state, settings):
+    """Propagated box of a node; False if that is the end of it."""
+    problem, columns = data[0], data[2]
+    numbers, counters, box = state[1], state[2], state[3]
+    counters[DIVE], counters[LAST] = 0, slot
+    state[4][0] = np.nan
+    if tree[2][slot] >= worthwhile(numbers, settings[0]):
+        numbers[FLOOR] = min(numbers[FLOOR], tree[2][slot])
+        return False
+    counters[NODES] += 1
+    box[0][:], box[1][:] = tree[0][slot], tree[1][slot]
+    counters[DEPTH], numbers[BOUND] = tree[4][slot], tree[2][slot]
+    j = tree[3][slot, 0]
+    if j < 0:
+        return True
+    box[0][j] = box[1][j] = tree[3][slot, 1]
+    queued = np.zeros(len(problem[3]), dtype=np.bool_)
+    queue_rows(j, columns[0], columns[1], queued)
+    return propagate(problem[2], columns, problem[5], box, (problem[3], problem[4]), queued, settings[2])[0] < 0
 
 
 @leaf
@@ -123,23 +174,13 @@ def worthwhile(numbers, gaps):
 
 
 @compiled
-def explore(data, tree, slot, state, settings):
-    """Drop, settle or split one node; False if it needs other means."""
-    problem, _, columns = data[:3]
-    numbers, counters, box, relaxed = state[1], state[2], state[3], state[4]
-    box[0][:], box[1][:] = tree[0][slot], tree[1][slot]
-    counters[DEPTH], numbers[BOUND] = tree[4][slot], tree[2][slot]
-    relaxed[0] = np.nan
-    if tree[3][slot, 0] >= 0:
-        j = tree[3][slot, 0]
-        box[0][j] = box[1][j] = tree[3][slot, 1]
-        queued = np.zeros(len(problem[3]), dtype=np.bool_)
-        queue_rows(j, columns[0], columns[1], queued)
-        sides = problem[3], problem[4]
-        if propagate(problem[2], columns, problem[5], box, sides, queued, settings[2])[0] >= 0:
-            return True
-    free = has_choice(box[0], box[1], data[5])
-    status, w, bound, active = judge(data, box, wished(tree, slot), state, settings)
+def digest(data, tree, verdict, state, settings):
+    """Drop, settle or split a node whose relaxation has been judged; False if it needs other means."""
+    status, w, bound, active = verdict
+    numbers, counters, box = state[1], state[2], state[3]
+    if counters[DEPTH] == 0:
+        counters[ACTIVE] = min(len(active), len(state[7]))
+        state[7][: counters[ACTIVE]] = active[: counters[ACTIVE]]
     if status == EMPTY:
         return True
     numbers[BOUND] = max(numbers[BOUND], bound)
@@ -148,15 +189,12 @@ def explore(data, tree, slot, state, settings):
         return True
     if status != SOLVED:
         return False
-    if not free:
+    if not has_choice(box[0], box[1], data[5]):
         return settle(data, box, w, bound, state, settings)
-    relaxed[:] = w
+    state[4][:] = w
     every = settings[5]
-    if every and (counters[DEPTH] % every == 0):
-        look_around(data, box, w, active, state, settings)
-    if numbers[BOUND] >= worthwhile(numbers, settings[0]):
-        numbers[FLOOR] = min(numbers[FLOOR], numbers[BOUND])
-        return True
+    if every and counters[DEPTH] % every == 0:
+        look_around(data, box, w, state, settings)
     split(data, tree, box, w, active, state, settings)
     return True
 
@@ -215,57 +253,29 @@ def offer(data, box, w, state, settings):
 
 
 @compiled
-def look_around(data, box, w, active, state, settings):
-    """Guess words from a relaxed point: by its drivers, then by its binaries, until one is better."""
-    before = state[1][OBJECTIVE]
-    for drive in (True, False):
-        if state[1][OBJECTIVE] >= before:
-            inside = box[0].copy(), box[1].copy()
-            if follow(data[0], data[2], inside, w, data[4], drive, settings[2]):
-                try_settled(data, inside, (active, w), state, settings)
+def look_around(data, box, w, state, settings):
+    """Guess words from a relaxed point: by its binaries, and by its drivers, which is tried first."""
+    for drive in (False, True):
+        inside = box[0].copy(), box[1].copy()
+        if follow(data[0], data[2], inside, w, data[4], drive, settings[2]):
+            note_word(inside[0][data[5]], state)
 
 
 @compiled
-def try_point(data, x, guess, state, settings):
-    """Guess a word by the drivers of any point, within the bounds of the whole problem."""
-    box = state[6][0].copy(), state[6][1].copy()
-    if follow(data[0], data[2], box, x, data[4], True, settings[2]):
-        try_settled(data, box, guess, state, settings)
-
-
-@compiled
-def try_word(data, word, state, settings):
-    """Solve with given binaries; the point becomes the incumbent if it is better."""
-    box = state[6][0].copy(), state[6][1].copy()
-    if fix_word(data[0], data[2], box, data[5], word, settings[2]):
-        polish(data, box, (np.zeros((0, 2), dtype=np.int64), np.zeros(0)), state, settings)
-
-
-@compiled
-def try_settled(data, settled, guess, state, settings):
-    """Solve with the binaries of a box that has no choice left, unless they have been tried."""
-    binaries, words, counters = data[5], state[5], state[2]
-    word = np.empty(len(binaries))
+def note_word(word, state):
+    """Put a word on the list of those to be tried, unless it was there before."""
+    counters, words = state[2], state[5]
     code = 0
-    for i in range(len(binaries)):
-        word[i] = settled[0][binaries[i]]
+    for i in range(len(word)):
         code = (2 * code + (1 if word[i] > 0.5 else 0)) % MODULUS
     for i in range(min(counters[WORDS], len(words))):
         if words[i] == code:
             return
     words[counters[WORDS] % len(words)] = code
     counters[WORDS] += 1
-    box = state[6][0].copy(), state[6][1].copy()
-    if fix_word(data[0], data[2], box, binaries, word, settings[2]):
-        polish(data, box, guess, state, settings)
-
-
-@compiled
-def polish(data, box, guess, state, settings):
-    """Solve for the real variables of a box without a choice and offer the point."""
-    status, w, _, _ = judge(data, box, guess, state, settings)
-    if status == SOLVED:
-        offer(data, box, w, state, settings)
+    if counters[PENDING] < len(state[8]):
+        state[8][counters[PENDING]] = word
+        counters[PENDING] += 1
 
 
 @compiled

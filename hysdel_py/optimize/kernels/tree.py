@@ -1,9 +1,9 @@
 """The open nodes of a search in arrays, and which of them is looked at next.
 
-A tree is the tuple (lb, ub, bound, split, depth, active, used, order, near): per slot the box of the parent, its certified
-bound, the binary that is fixed and its value, the depth, and the active inequalities of the parent's relaxation as
-numbers ``2 * row + side``, of which `used` count, and its solution. The first slots in `order` are the open ones in the order in which
-they were opened, the rest are free.
+A tree is the tuple (lb, ub, bound, split, depth, active, used, order, near): per slot the box of the parent, its
+certified bound, the binary that is fixed and its value, the depth, the active inequalities of the parent's relaxation
+as numbers ``2 * row + side``, of which `used` count, and its solution. The first slots in `order` are the open ones in
+the order in which they were opened, the rest are free.
 """
 
 from __future__ import annotations
@@ -12,10 +12,25 @@ import numpy as np
 
 from hysdel_py.optimize.compiled import compiled, leaf
 
-__all__ = ["DEPTH", "DIVE", "NODES", "OPEN", "SOLVES", "WORDS", "least_open", "push", "take_next", "wished"]
+__all__ = [
+    "ACTIVE",
+    "DEPTH",
+    "DIVE",
+    "LAST",
+    "NODES",
+    "OPEN",
+    "PENDING",
+    "SOLVES",
+    "WORDS",
+    "least_open",
+    "push",
+    "take_next",
+    "wished",
+]
 
-OPEN, NODES, SOLVES, DIVE, DEPTH, WORDS = 0, 1, 2, 3, 4, 5
-"""Counters: open nodes, nodes visited, programs solved, whether the last node was split, its depth, words tried."""
+OPEN, NODES, SOLVES, DIVE, DEPTH, WORDS, ACTIVE, PENDING, LAST = 0, 1, 2, 3, 4, 5, 6, 7, 8
+"""Counters: open nodes, nodes visited, programs solved, whether the last node was split, its depth, words tried,
+active inequalities at the root, words to be tried, slot of the node at hand."""
 
 
 @leaf
@@ -62,7 +77,7 @@ def push(tree, counters, box, bound, variable, value, active, near):
 
 @compiled
 def wished(tree, slot):
-    """The active inequalities that were kept with a node, row (or m + variable) and sign of the side, and the point."""
+    """What a node begins with: active inequalities, row (or m + variable) and sign of the side, and a point."""
     guess = np.empty((tree[6][slot], 2), dtype=np.int64)
     for i in range(len(guess)):
         code = tree[5][slot, i]
