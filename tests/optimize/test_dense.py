@@ -18,10 +18,9 @@ from hysdel_py.optimize.verified import solve_qp
 
 
 def least_norm_in(N, b, f, H, wished=()):
-    n = len(f)
     J, sound = active_set.inverse_factor(np.array(H))
     assert sound
-    work = (J, np.zeros((n, n)), np.zeros(n, np.int64), np.zeros(n), np.zeros(1, np.int64), np.zeros(n))
+    work = active_set.work_space(J)
     active_set.start_from(np.array(wished, dtype=np.int64), N, work)
     status, iterations, row = active_set.solve(N, b, f, work, np.inf, (1e-10, 1000))
     return status, iterations, row, work
