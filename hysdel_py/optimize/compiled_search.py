@@ -152,8 +152,9 @@ class CompiledSearch:
             return self.search.finished()
         stop = None
         while stop is None and self.search.open:
+            before = self.search.nodes
             self._advance()
-            stop = self.search.reason_to_stop(self.progress)
+            stop = self.search.reason_to_stop(self.progress if self.search.nodes > before else None)
         result = self.search.finished() if stop is None else self.search.stopped(stop)
         return replace(result, active=self._root_active())
 
