@@ -39,14 +39,7 @@ def warm_up() -> float:
 
 def _problem() -> Miqp:
     """Least ``(x - 0.4)^2`` with x at most the binary d, and d at most x + 1/2."""
-    qp = Qp(
-        P=np.diag([2.0, 0.0]),
-        q=[-0.8, 0.1],
-        A=[[1.0, -1.0], [-1.0, 1.0]],
-        l=[-np.inf, -np.inf],
-        u=[0.0, 0.5],
-        lb=[0.0, 0.0],
-        ub=[1.0, 1.0],
-        constant=0.16,
-    )
+    sides = np.array([-np.inf, -np.inf]), np.array([0.0, 0.5])
+    slope, ends = np.array([-0.8, 0.1]), (np.zeros(2), np.ones(2))
+    qp = Qp(np.diag([2.0, 0.0]), slope, [[1.0, -1.0], [-1.0, 1.0]], *sides, *ends, constant=0.16)
     return Miqp(qp, [1], drivers=[0])

@@ -111,3 +111,16 @@ def test_bounds_of_a_stopped_search_are_valid(two_mode_problem):
         assert result.bound <= best + 1e-6
         assert result.objective >= best - 1e-5
         assert result.nodes <= nodes
+
+
+def test_warming_up_leaves_nothing_to_compile(two_mode_problem):
+    from hysdel_py.optimize.kernels import search as kernel
+    from hysdel_py.optimize.warm_up import warm_up
+
+    assert warm_up() >= 0.0
+    if hasattr(kernel.run, "signatures"):
+        before = len(kernel.run.signatures), len(kernel.start.signatures)
+        best = solve_miqp(two_mode_problem(horizon=4), MiqpSettings(backend="dense"))
+        solver = MiqpSolver(two_mode_problem(horizon=4), MiqpSettings(backend="dense"))
+        solver.solve(point=best.x, active=best.active, incumbent=best.x)
+        assert (len(kernel.run.signatures), len(kernel.start.signatures)) == before
