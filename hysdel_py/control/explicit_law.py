@@ -6,7 +6,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass, fields, replace
 from functools import cached_property
 from os import PathLike
-from typing import TYPE_CHECKING
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -15,8 +16,13 @@ from hysdel_py.errors import ArgumentError
 from hysdel_py.geometry.polyhedron import Polyhedron
 
 if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
     from hysdel_py.control.explicit_certificate import LawCertificate
     from hysdel_py.control.explicit_tree import LawTree
+    from hysdel_py.control.law_signals import LawSignals
+    from hysdel_py.control.move import Move
+    from hysdel_py.export.law_c import LawCode
     from hysdel_py.optimize.mpqp import ParametricSolution
     from hysdel_py.optimize.parametric.problem import MpQp
 
@@ -54,6 +60,8 @@ class ExplicitLaw:
         Whether the regions are known to be all there are.
     tolerance : float
         Distance up to which a point on the boundary belongs to a region.
+    signals : LawSignals, optional
+        What the parameters and the moves stand for, in the law of a controller.
     """
 
     A: Array
@@ -70,6 +78,7 @@ class ExplicitLaw:
     names: tuple[str, ...]
     complete: bool
     tolerance: float = 1e-8
+    signals: LawSignals | None = None
 
     def __post_init__(self) -> None:
         for item in fields(self):
@@ -192,6 +201,27 @@ class ExplicitLaw:
         point = self._point(zeta)
         return float(0.5 * point @ self.P[region] @ point + self.q[region] @ point + self.r[region])
 
+    @property
+    def uses_last_input(self) -> bool:
+        """Whether the input applied last is a parameter."""
+        return self.signals is not None and self.signals.previous
+
+    @property
+    def sample_time(self) -> float:
+        """Sample time of the controller, 1 where there is none."""
+        return 1.0 if self.signals is None else self.signals.sample_time
+
+    def solve(
+        self,
+        x: ArrayLike | Mapping[str, float],
+        ref: ArrayLike | Mapping[str, float] | None = None,
+        last_input: ArrayLike | Mapping[str, float] | None = None,
+    ) -> Move:
+        """The first input, in the place of the controller that the law comes from (:func:`law_controller.answer`)."""
+        from hysdel_py.control.law_controller import answer
+
+        return answer(self, x, ref, last_input)
+
     @cached_property
     def tree(self) -> LawTree:
         """Search tree over the regions."""
@@ -210,6 +240,12 @@ class ExplicitLaw:
         from hysdel_py.control.explicit_slice import fix
 
         return fix(self, values)
+
+    def section(self, values: Mapping[str | int, float], window: Polyhedron) -> ExplicitLaw:
+        """The law in a window of the other parameters, its regions continued (:mod:`explicit_slice`)."""
+        from hysdel_py.control.explicit_slice import section
+
+        return section(self, values, window)
 
     def certificate(self, problem: MpQp, samples: int = 200, seed: int = 0) -> LawCertificate:
         """Comparison with the problem solved online, and continuity; see :func:`certify`."""
@@ -230,6 +266,43 @@ class ExplicitLaw:
 
         return load_law(path)
 
+    def to_json(self, path: str | PathLike[str]) -> None:
+        """Write the law as JSON."""
+        from hysdel_py.export.law_json import write_law_json
+
+        write_law_json(self, path)
+
+    @classmethod
+    def from_json(cls, path: str | PathLike[str]) -> ExplicitLaw:
+        """Read a law from a JSON file; it equals the one that was written."""
+        from hysdel_py.export.law_json import read_law_json
+
+        return read_law_json(path)
+
+    def to_c(self, path: str | PathLike[str], **options: Any) -> LawCode:
+        """Write the law as C99, a source and a header beside it; options as for :func:`law_to_c`."""
+        from hysdel_py.export.law_c import law_to_c
+
+        return law_to_c(self, path, **options)
+
+    def to_python(self, path: str | PathLike[str], *, method: str = "tree") -> Path:
+        """Write the law as a Python module with ``law(zeta)`` that needs nothing but Python."""
+        from hysdel_py.export.law_python import law_to_python
+
+        return law_to_python(self, path, method=method)
+
+    def to_latex(self, path: str | PathLike[str] | None = None, **options: Any) -> str:
+        """The law as a LaTeX table; options as for :func:`law_to_latex`."""
+        from hysdel_py.export.law_latex import law_to_latex
+
+        return law_to_latex(self, path, **options)
+
+    def plot(self, what: str = "partition", **options: Any) -> Figure:
+        """Draw the law over one or two parameters; options as for :func:`plot_law`."""
+        from hysdel_py.plotting.law import plot_law
+
+        return plot_law(self, what, **options)
+
     def describe(self) -> str:
         """The law as text: sizes, then rows and moves of each region."""
         from hysdel_py.control.explicit_text import describe_law
@@ -238,15 +311,8 @@ class ExplicitLaw:
 
     def without_value(self) -> ExplicitLaw:
         """The same law with its moves only."""
-        p = self.p
-        return replace(
-            self,
-            K=self.K[:, : self.moves].copy(),
-            k=self.k[:, : self.moves].copy(),
-            P=np.zeros((0, p, p)),
-            q=np.zeros((0, p)),
-            r=np.zeros(0),
-        )
+        p, K, k = self.p, self.K[:, : self.moves].copy(), self.k[:, : self.moves].copy()
+        return replace(self, K=K, k=k, P=np.zeros((0, p, p)), q=np.zeros((0, p)), r=np.zeros(0))
 
     def _holds(self, region: int, point: Vector) -> bool:
         A, b = self.rows(region)

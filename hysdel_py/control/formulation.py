@@ -15,7 +15,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -49,8 +49,13 @@ class Vectors:
     q: Matrix
     l: Matrix  # noqa: E741  the name that the row ends have in the program
     u: Matrix
+    lb: Matrix
     ub: Matrix
     constant: float
+
+    def as_keywords(self) -> dict[str, Any]:
+        """The vectors by the names that programs and solvers have for them."""
+        return {name: getattr(self, name) for name in ("q", "l", "u", "lb", "ub", "constant")}
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -136,7 +141,7 @@ class Formulation:
             moved[len(moved) - self.epigraph.references.shape[0] :] += self.epigraph.references @ targets
         q = self.objective.linear + self.prepared.gain @ offset
         constant = float(offset @ (self.objective.Q @ offset))
-        return Vectors(q, self.low - moved, self.high - moved, self._upper(targets), constant)
+        return Vectors(q, self.low - moved, self.high - moved, self.lb, self._upper(targets), constant)
 
     def _upper(self, targets: Matrix) -> Matrix:
         ub = self.ub.copy()

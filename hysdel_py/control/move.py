@@ -1,4 +1,4 @@
-"""The answer of a hybrid controller: an input, how good it is, and what to do when there is none."""
+"""The answer of a predictive controller: an input, how good it is, and what to do when there is none."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from hysdel_py.systems.trajectory import Trajectory
 
 if TYPE_CHECKING:
-    from hysdel_py.control.formulation import Vectors
+    from hysdel_py.control.formulation import Formulation, Vectors
 
 __all__ = ["Case", "Deferred", "Move", "MoveStatus"]
 
@@ -62,10 +62,13 @@ class Case:
         What the measured state, the input applied last and the references made of the program.
     v : array of shape (n,), or None
         The plan as decision variables.
+    formulation : Formulation or None
+        The program with the limits of the call.
     """
 
     vectors: Vectors
     v: NDArray[np.float64] | None = None
+    formulation: Formulation | None = None
 
 
 class Deferred:
@@ -113,6 +116,9 @@ class Move:
         Which fallback gave the input, empty for a plan.
     cause : MoveStatus or None
         With a fallback: why there was no plan.
+    residual : float
+        Largest violation of a limit by the plan of a linear controller, relative to the limit and at least absolute;
+        not a number where it was not computed.
     case : Case or None
         What was solved, for :meth:`HybridMpc.why` and :meth:`HybridMpc.dump_problem`.
     """
@@ -131,6 +137,7 @@ class Move:
     approximate_from: int | None = None
     fallback: str = ""
     cause: MoveStatus | None = None
+    residual: float = nan
     case: Case | None = field(default=None, repr=False)
 
     def __getattribute__(self, name: str) -> Any:

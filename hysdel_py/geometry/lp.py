@@ -225,13 +225,11 @@ def _piqp(lp: Lp, precision: Precision) -> tuple[Vector | None, Vector | None]:
 
 
 def _with_highs(lp: Lp) -> LpResult:
-    from scipy.optimize import linprog
-
     real = np.isfinite(lp.b)
-    options = {"primal_feasibility_tolerance": 1e-10, "dual_feasibility_tolerance": 1e-10}
-    rows = (lp.A[real], lp.b[real]) if real.any() else (None, None)
-    answer = linprog(-lp.c, *rows, bounds=np.column_stack([lp.lb, lp.ub]), method="highs", options=options)
+    answer = _highs(lp, -lp.c, real)
     status = _HIGHS.get(answer.status, LpStatus.UNKNOWN)
+    if status is LpStatus.INFEASIBLE and _highs(lp, np.zeros(len(lp.c)), real, presolve=False).status == 0:
+        status = LpStatus.UNBOUNDED  # presolve calls some unbounded programs infeasible
     if status is not LpStatus.OPTIMAL:
         return _nothing(lp, status)
     y = np.zeros(len(lp.b))
@@ -239,6 +237,15 @@ def _with_highs(lp: Lp) -> LpResult:
         y[real] = np.maximum(-answer.ineqlin.marginals, 0.0)
     w = np.asarray(answer.x, dtype=float)
     return LpResult(status, w, float(lp.c @ w), proven_bound(lp, y), y)
+
+
+def _highs(lp: Lp, cost: Vector, real: NDArray[np.bool_], *, presolve: bool = True) -> Any:
+    """Answer of HiGHS with the rows whose sides are finite."""
+    from scipy.optimize import linprog
+
+    tight = {"primal_feasibility_tolerance": 1e-10, "dual_feasibility_tolerance": 1e-10, "presolve": presolve}
+    rows = (lp.A[real], lp.b[real]) if real.any() else (None, None)
+    return linprog(cost, *rows, bounds=np.column_stack([lp.lb, lp.ub]), method="highs", options=tight)
 
 
 _HIGHS = {0: LpStatus.OPTIMAL, 2: LpStatus.INFEASIBLE, 3: LpStatus.UNBOUNDED}

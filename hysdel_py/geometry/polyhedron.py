@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -9,8 +10,13 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from hysdel_py.errors import ArgumentError
-from hysdel_py.geometry.lp import LpResult, LpStatus, maximise
+from hysdel_py.geometry.affine_hull import AffineHull, affine_hull
+from hysdel_py.geometry.ball import Ball, greatest_ball
+from hysdel_py.geometry.convex_hull import hull_rows, hull_volume
+from hysdel_py.geometry.generators import Generators, generators_of
+from hysdel_py.geometry.lp import LpResult, maximise
 from hysdel_py.geometry.precision import DEFAULT_PRECISION, Precision
+from hysdel_py.geometry.projection import eliminate
 from hysdel_py.geometry.redundancy import irredundant_rows
 from hysdel_py.geometry.solver import LpSolver
 
@@ -19,24 +25,8 @@ __all__ = ["Ball", "Polyhedron"]
 Vector = NDArray[np.float64]
 Matrix = NDArray[np.float64]
 
-_LARGEST_RADIUS = 1e6
-"""Radius at which the search for an inscribed ball stops in a polyhedron that holds balls of any size."""
-
-
-@dataclass(frozen=True, eq=False, slots=True)
-class Ball:
-    """A greatest ball inside a polyhedron.
-
-    Attributes
-    ----------
-    centre : array of shape (n,)
-    radius : float
-        Zero for a flat polyhedron; negative for an empty one: by how much all rows must move outwards to let a point
-        in.
-    """
-
-    centre: Vector
-    radius: float
+_ROUNDING = 1e-14
+"""A sum this small relative to the sizes of its terms is zero."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -72,6 +62,35 @@ class Polyhedron:
         A, b = np.vstack([eye, -eye]), np.concatenate([ub, -lb])
         real = np.isfinite(b)
         return cls(A[real], b[real], precision)
+
+    @classmethod
+    def hull(
+        cls,
+        points: ArrayLike,
+        rays: ArrayLike = (),
+        lines: ArrayLike = (),
+        precision: Precision = DEFAULT_PRECISION,
+    ) -> Polyhedron:
+        """Convex hull of points, with rays and lines added to them, one per row; its rows have unit length.
+
+        Raises
+        ------
+        ArgumentError
+            If there is no point, or the widths differ.
+        """
+        corners = np.atleast_2d(np.asarray(points, dtype=float))
+        if not corners.size:
+            raise ArgumentError("a convex hull needs at least one point; for an empty set use Polyhedron.empty(n)")
+        n = corners.shape[1]
+        ways, axes = (np.asarray(part, dtype=float).reshape(-1, n) for part in (rays, lines))
+        if not all(np.isfinite(part).all() for part in (corners, ways, axes)):
+            raise ArgumentError("points, rays and lines must be finite numbers")
+        return cls(*hull_rows(corners, ways, axes, precision), precision)
+
+    @classmethod
+    def empty(cls, n: int, precision: Precision = DEFAULT_PRECISION) -> Polyhedron:
+        """The empty set in n dimensions."""
+        return cls(np.zeros((1, n)), np.array([-1.0]), precision)
 
     @property
     def n(self) -> int:
@@ -115,19 +134,8 @@ class Polyhedron:
 
     @cached_property
     def ball(self) -> Ball:
-        """A greatest inscribed ball (Boyd and Vandenberghe, "Convex optimization", 2004, section 8.5.1)."""
-        flat_rows = self.lengths == 0
-        least = float(np.min(self.b[flat_rows], initial=np.inf))
-        if least < 0:
-            return Ball(np.zeros(self.n), -_LARGEST_RADIUS)
-        G, h, lengths = self.A[~flat_rows], self.b[~flat_rows], self.lengths[~flat_rows]
-        if not len(h) or not self.n:
-            return Ball(np.zeros(self.n), _LARGEST_RADIUS)
-        rows = np.column_stack([G / lengths[:, None], np.ones(len(h))])
-        answer = _largest(rows, h / lengths, np.inf, self.precision)
-        if answer.status is LpStatus.UNBOUNDED:
-            answer = _largest(rows, h / lengths, _LARGEST_RADIUS, self.precision)
-        return Ball(answer.w[:-1], float(answer.w[-1])) if answer.is_optimal else Ball(np.zeros(self.n), -np.inf)
+        """A greatest inscribed ball; :attr:`relative_ball` is the one of a flat polyhedron in its own space."""
+        return greatest_ball(self.A, self.b, self.precision)
 
     @property
     def is_empty(self) -> bool:
@@ -157,8 +165,127 @@ class Polyhedron:
         rows = list(self.irredundant_rows())
         return Polyhedron(self.A[rows], self.b[rows], self.precision)
 
+    @cached_property
+    def _unit(self) -> tuple[Matrix, Vector]:
+        """Rows of unit length, without those that have no coefficients or no finite side."""
+        real = (self.lengths > 0) & np.isfinite(self.b)
+        return self.A[real] / self.lengths[real, None], self.b[real] / self.lengths[real]
 
-def _largest(rows: Matrix, sides: Vector, radius: float, precision: Precision) -> LpResult:
-    """Centre and radius of a greatest ball whose radius is bounded."""
-    free = np.append(np.full(rows.shape[1] - 1, np.inf), radius)
-    return maximise(np.append(np.zeros(len(free) - 1), 1.0), rows, sides, -free, free, precision=precision)
+    def normalised(self) -> Polyhedron:
+        """The same set with rows of unit length; rows without coefficients are dropped unless they can't be met."""
+        if np.any(self.b[self.lengths == 0] < -self.precision.touch):
+            return Polyhedron.empty(self.n, self.precision)
+        return Polyhedron(*self._unit, self.precision)
+
+    @cached_property
+    def affine_hull(self) -> AffineHull:
+        """Smallest affine space around the polyhedron, in terms of the rows of :meth:`normalised`.
+
+        Raises
+        ------
+        ArgumentError
+            If the polyhedron is empty.
+        """
+        if self.is_empty:
+            raise ArgumentError("the polyhedron is empty: it has no affine hull; ask is_empty first")
+        return affine_hull(*self._unit, self.ball.centre, self.ball.radius, self.precision)
+
+    @property
+    def dimension(self) -> int:
+        """Dimension of the set: n for one with inner points, 0 for a point, -1 for an empty one."""
+        return -1 if self.is_empty else self.affine_hull.dimension
+
+    @cached_property
+    def relative_ball(self) -> Ball:
+        """A greatest ball within the affine hull; for an empty polyhedron :attr:`ball`."""
+        if self.is_empty or self.dimension == self.n:
+            return self.ball
+        (A, b), hull = self._unit, self.affine_hull
+        ball = greatest_ball(A[~hull.tight] @ hull.basis, (b - A @ hull.origin)[~hull.tight], self.precision)
+        return Ball(hull.origin + hull.basis @ ball.centre, ball.radius)
+
+    @cached_property
+    def generators(self) -> Generators:
+        """Vertices, extreme rays and lines, each in a fixed order.
+
+        Raises
+        ------
+        ArgumentError
+            If the scale of the polyhedron is too bad for the computation.
+        """
+        if self.is_empty:
+            none = np.zeros((0, self.n))
+            return Generators(none, none, none)
+        return generators_of(*self._unit, self.affine_hull)
+
+    @property
+    def is_bounded(self) -> bool:
+        """Whether no coordinate grows without end; an empty polyhedron is bounded."""
+        return self.is_empty or all(np.isfinite(end).all() for end in self.bounding_box)
+
+    @property
+    def vertices(self) -> Matrix:
+        """Vertices of a bounded polyhedron, of shape (p, n).
+
+        Raises
+        ------
+        ArgumentError
+            If the polyhedron is unbounded: then :attr:`generators` has what there is.
+        """
+        if not self.is_bounded:
+            raise ArgumentError("an unbounded polyhedron is more than its vertices: use generators")
+        return self.generators.points
+
+    @cached_property
+    def volume(self) -> float:
+        """Volume: 0 for a flat polyhedron, infinity for an unbounded one with inner points."""
+        if self.dimension < self.n:
+            return 0.0
+        if not self.is_bounded:
+            return float("inf")
+        return hull_volume(self.vertices)
+
+    def facet(self, row: int) -> Polyhedron:
+        """The points at which a row holds with equality."""
+        return self.with_rows(-self.A[[row]], -self.b[[row]])
+
+    def section(self, values: Mapping[int, float]) -> Polyhedron:
+        """The cut with some coordinates fixed, in the others, which keep their order."""
+        fixed = [self._coordinate(i) for i in values]
+        kept = [i for i in range(self.n) if i not in fixed]
+        side = self.b - self.A[:, fixed] @ np.array([float(v) for v in values.values()])
+        return Polyhedron(self.A[:, kept], side, self.precision)
+
+    def project(self, coordinates: Sequence[int]) -> Polyhedron:
+        """Shadow of the polyhedron in some coordinates, in the order given."""
+        kept = [self._coordinate(i) for i in coordinates]
+        if len(set(kept)) != len(kept):
+            raise ArgumentError(f"each coordinate can be kept once; found {list(coordinates)}")
+        if self.is_empty:
+            return Polyhedron.empty(len(kept), self.precision)
+        gone = [i for i in range(self.n) if i not in kept]
+        A, b = eliminate(*self._unit, self.affine_hull, gone, self.precision)
+        return Polyhedron(A[:, np.argsort(np.argsort(kept))], b, self.precision).minimal()
+
+    def preimage(self, M: ArrayLike, t: ArrayLike = 0.0) -> Polyhedron:
+        """``{v : M v + t is in the polyhedron}``."""
+        matrix = np.asarray(M, dtype=float)
+        A, size = self.A @ matrix, np.abs(self.A) @ np.abs(matrix)
+        A[np.abs(A) <= _ROUNDING * size] = 0.0
+        return Polyhedron(A, self.b - self.A @ (np.zeros(self.n) + np.asarray(t, dtype=float)), self.precision)
+
+    def image(self, M: ArrayLike, t: ArrayLike = 0.0) -> Polyhedron:
+        """``{M w + t : w in the polyhedron}``."""
+        matrix = np.atleast_2d(np.asarray(M, dtype=float))
+        if matrix.shape[1] != self.n:
+            raise ArgumentError(f"M has shape {matrix.shape}: {self.n} columns were expected")
+        k = len(matrix)
+        link = np.hstack([np.eye(k), -matrix])
+        offset = np.zeros(k) + np.asarray(t, dtype=float)
+        A = np.vstack([np.hstack([np.zeros((self.m, k)), self.A]), link, -link])
+        return Polyhedron(A, np.concatenate([self.b, offset, -offset]), self.precision).project(range(k))
+
+    def _coordinate(self, i: int) -> int:
+        if not 0 <= i < self.n:
+            raise ArgumentError(f"coordinate {i} does not exist: they are numbered from 0 to {self.n - 1}")
+        return int(i)

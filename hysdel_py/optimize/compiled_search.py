@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from hysdel_py.optimize.certificate import UNIT_ROUNDOFF
 from hysdel_py.optimize.compiled import kernels_are_compiled
 from hysdel_py.optimize.dense import NO_GUESS, DenseSolver
-from hysdel_py.optimize.mixed_integer import Miqp, MiqpResult, MiqpSettings, SearchInfo
+from hysdel_py.optimize.mixed_integer import Miqp, MiqpResult, MiqpSettings, NodeFate, NodeRecord, SearchInfo
 from hysdel_py.optimize.propagation import Box
 from hysdel_py.optimize.qp import Qp
 from hysdel_py.optimize.search import Node, Search
@@ -31,6 +31,8 @@ WORDS = 64
 SLICE, TIMED = 256, 8
 """Nodes between two looks at the clock where nobody listens, without and with a limit of time."""
 NOTHING = np.zeros(0)
+_FATES = (NodeFate.SPLIT, NodeFate.CUT_OFF, NodeFate.INFEASIBLE, NodeFate.LEAF)
+"""In the order of the numbers that the loop has for them."""
 
 
 class Workspace:
@@ -43,6 +45,8 @@ class Workspace:
     """
 
     def __init__(self, miqp: Miqp, settings: MiqpSettings, dense: DenseSolver, columns: Any) -> None:
+        from hysdel_py.optimize.kernels.tree import COUNTERS
+
         n, m = miqp.qp.n, miqp.qp.m
         self.dense, self.columns = dense, columns
         self.binaries, self.priorities = miqp.binaries.astype(np.int64), np.array(miqp.priorities, dtype=float)
@@ -50,9 +54,9 @@ class Workspace:
         self.rounding = 2 * (n + m + 8) * UNIT_ROUNDOFF
         self.tree = _room(ROOM, n, min(n, dense.settings.largest))
         self.state = (
-            np.zeros(n), np.zeros(3), np.zeros(9, dtype=np.int64), (np.zeros(n), np.zeros(n)), np.full(n, np.nan),
-            np.zeros(WORDS, dtype=np.int64), (np.zeros(n), np.zeros(n)), np.zeros((n, 2), dtype=np.int64),
-            np.zeros((WORDS, len(self.binaries))),
+            np.zeros(n), np.zeros(3), np.zeros(COUNTERS, dtype=np.int64), (np.zeros(n), np.zeros(n)),
+            np.full(n, np.nan), np.zeros(WORDS, dtype=np.int64), (np.zeros(n), np.zeros(n)),
+            np.zeros((n, 2), dtype=np.int64), np.zeros((WORDS, len(self.binaries))),
         )  # fmt: skip
         s, d, p = settings, dense.settings, settings.propagation
         self.settings = (
@@ -83,7 +87,7 @@ def _room(size: int, n: int, width: int) -> tuple[Any, ...]:
     """Arrays for the nodes of a tree."""
     whole = [np.zeros(shape, dtype=np.int64) for shape in (size, (size, width), size)]
     real = [np.zeros(shape) for shape in ((size, n), (size, n), size)]
-    split = np.zeros((size, 2), dtype=np.int64)
+    split = np.zeros((size, 3), dtype=np.int64)
     return (*real, split, *whole, np.arange(size), np.zeros((size, n)))
 
 
@@ -179,6 +183,7 @@ class CompiledSearch:
         from hysdel_py.optimize.kernels import search as kernel
 
         reason = self._loop(self._slice())
+        self.search.record = self._record()
         if reason == kernel.FULL:
             self.space.grow()
         elif reason == kernel.HELP:
@@ -192,6 +197,17 @@ class CompiledSearch:
         reason: int = run(self.data, self.space.tree, self.space.state, self.space.settings, nodes)
         self._take_over()
         return reason
+
+    def _record(self) -> NodeRecord:
+        """The node that was visited last."""
+        from hysdel_py.optimize.kernels import search as kernel
+        from hysdel_py.optimize.kernels import tree
+
+        numbers, counters = self.space.state[1:3]
+        variable, value, parent = counters[tree.WAY : tree.WAY + 3].tolist()
+        fate = _FATES[int(counters[tree.FATE])]
+        bound = inf if fate is NodeFate.INFEASIBLE else float(numbers[kernel.BOUND])
+        return NodeRecord(int(counters[tree.NODES]), parent, variable, float(value), bound, fate)
 
     def _root_active(self) -> NDArray[np.int64]:
         from hysdel_py.optimize.kernels import tree
@@ -252,10 +268,12 @@ class CompiledSearch:
         s = self.search
         if not hasattr(s, "root"):
             s.root = Box(self.space.state[6][0].copy(), self.space.state[6][1].copy())
-        nodes = s.nodes
+        s.nodes -= 1  # the loop has counted this node
+        before = s.record
         inside = Box(box[0].copy(), box[1].copy())
         s.explore(Node(inside, -1, 0.0, float(numbers[kernel.BOUND]), int(counters[tree.DEPTH]), None))
-        s.nodes = nodes
+        if before is not None and s.record is not None:
+            s.record = replace(s.record, parent=before.parent, variable=before.variable, value=before.value)
         self._hand_over()
         self._take_over()
 

@@ -8,6 +8,8 @@ from hysdel_py.optimize.certificate import Certifier
 from hysdel_py.optimize.dense import DenseSettings, dense_solver
 from hysdel_py.optimize.kernels.certificate import bound_below, excess, farkas_bound
 from hysdel_py.optimize.miqp import MiqpSettings, MiqpSolver, MiqpStatus, solve_miqp
+from hysdel_py.optimize.mixed_integer import NodeFate
+from hysdel_py.optimize.node_log import NodeLog
 from hysdel_py.optimize.qp import violation
 
 COUNT = 40
@@ -124,3 +126,37 @@ def test_warming_up_leaves_nothing_to_compile(two_mode_problem):
         solver = MiqpSolver(two_mode_problem(horizon=4), MiqpSettings(backend="dense"))
         solver.solve(point=best.x, active=best.active, incumbent=best.x)
         assert (len(kernel.run.signatures), len(kernel.start.signatures)) == before
+
+
+@pytest.mark.parametrize("seed", range(12))
+def test_each_node_is_recorded_below_its_parent(small_problem, seed):
+    log = NodeLog()
+    result = solve_miqp(small_problem(seed), MiqpSettings(backend="dense"), progress=log)
+    records = [entry.node for entry in log.entries]
+    assert [record.number for record in records] == list(range(1, result.nodes + 1))
+    if records:
+        assert (records[0].parent, records[0].variable) == (0, -1)
+    by_number = {record.number: record for record in records}
+    for record in records[1:]:
+        parent = by_number[record.parent]
+        assert parent.fate is NodeFate.SPLIT
+        assert record.variable in small_problem(seed).binaries
+        assert record.value in (0.0, 1.0)
+        assert record.bound >= parent.bound
+    ways = [(record.parent, record.variable, record.value) for record in records]
+    assert len(set(ways)) == len(ways)
+    assert all((record.fate is NodeFate.INFEASIBLE) == (record.bound == np.inf) for record in records)
+
+
+def test_a_node_that_needs_help_is_recorded_with_its_way(small_problem):
+    """A loop that may solve nothing hands every node to the search in Python."""
+    log = NodeLog()
+    solver = MiqpSolver(small_problem(21), MiqpSettings(backend="dense", rounding=0))
+    gaps, dense, *rest = solver.workspace.settings
+    solver.workspace.settings = (gaps, (*dense[:-1], -1), *rest)
+    result = solver.solve(progress=log)
+    records = [entry.node for entry in log.entries]
+    assert [record.number for record in records] == list(range(1, result.nodes + 1))
+    assert len(records) > 5
+    assert all(record.parent in {r.number for r in records if r.fate is NodeFate.SPLIT} for record in records[1:])
+    assert all(record.variable >= 0 for record in records[1:])

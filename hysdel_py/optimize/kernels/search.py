@@ -18,21 +18,28 @@ from hysdel_py.optimize.kernels.tree import (
     ACTIVE,
     DEPTH,
     DIVE,
+    FATE,
     LAST,
     NODES,
     OPEN,
     PENDING,
     SOLVES,
+    WAY,
     WORDS,
     push,
     take_next,
     wished,
 )
 
-__all__ = ["BOUND", "CALM", "FLOOR", "FULL", "HELP", "OBJECTIVE", "PAUSED", "note_word", "run", "start"]
+__all__ = [
+    "BOUND", "CALM", "CUT_OFF", "FLOOR", "FULL", "HELP", "INFEASIBLE", "LEAF", "OBJECTIVE", "PAUSED", "SPLIT",
+    "note_word", "run", "start",
+]  # fmt: skip
 
 CALM, PAUSED, FULL, HELP = 0, 1, 2, 3
 """Why a slice ended: no open node, its nodes are used up, no room for two more, a node that needs other means."""
+SPLIT, CUT_OFF, INFEASIBLE, LEAF = 0, 1, 2, 3
+"""What became of a node."""
 OBJECTIVE, FLOOR, BOUND = 0, 1, 2
 """Numbers: value of the incumbent, least bound of the parts that are done, bound of the node at hand."""
 
@@ -153,6 +160,8 @@ def enter(data, tree, slot, state, settings):
         numbers[FLOOR] = min(numbers[FLOOR], tree[2][slot])
         return False
     counters[NODES] += 1
+    counters[FATE] = INFEASIBLE
+    counters[WAY : WAY + 3] = tree[3][slot]
     box[0][:], box[1][:] = tree[0][slot], tree[1][slot]
     counters[DEPTH], numbers[BOUND] = tree[4][slot], tree[2][slot]
     j = tree[3][slot, 0]
@@ -184,12 +193,14 @@ def digest(data, tree, verdict, state, settings):
     if status == EMPTY:
         return True
     numbers[BOUND] = max(numbers[BOUND], bound)
+    counters[FATE] = CUT_OFF
     if status == BEATEN or numbers[BOUND] >= worthwhile(numbers, settings[0]):
         numbers[FLOOR] = min(numbers[FLOOR], numbers[BOUND])
         return True
     if status != SOLVED:
         return False
     if not has_choice(box[0], box[1], data[5]):
+        counters[FATE] = LEAF
         return settle(data, box, w, bound, state, settings)
     state[4][:] = w
     every = settings[5]
@@ -286,7 +297,7 @@ def split(data, tree, box, w, active, state, settings):
     near = 1.0 if w[j] > 0.5 else 0.0
     push(tree, counters, box, state[1][BOUND], j, 1.0 - near, active, w)
     push(tree, counters, box, state[1][BOUND], j, near, active, w)
-    counters[DIVE] = 1
+    counters[DIVE], counters[FATE] = 1, SPLIT
 
 
 @leaf

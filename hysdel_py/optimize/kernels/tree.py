@@ -1,9 +1,9 @@
 """The open nodes of a search in arrays, and which of them is looked at next.
 
 A tree is the tuple (lb, ub, bound, split, depth, active, used, order, near): per slot the box of the parent, its
-certified bound, the binary that is fixed and its value, the depth, the active inequalities of the parent's relaxation
-as numbers ``2 * row + side``, of which `used` count, and its solution. The first slots in `order` are the open ones in
-the order in which they were opened, the rest are free.
+certified bound, the binary that is fixed, its value and the number of the parent, the depth, the active inequalities of
+the parent's relaxation as numbers ``2 * row + side``, of which `used` count, and its solution. The first slots in
+`order` are the open ones in the order in which they were opened, the rest are free.
 """
 
 from __future__ import annotations
@@ -14,13 +14,16 @@ from hysdel_py.optimize.compiled import compiled, leaf
 
 __all__ = [
     "ACTIVE",
+    "COUNTERS",
     "DEPTH",
     "DIVE",
+    "FATE",
     "LAST",
     "NODES",
     "OPEN",
     "PENDING",
     "SOLVES",
+    "WAY",
     "WORDS",
     "least_open",
     "push",
@@ -28,9 +31,12 @@ __all__ = [
     "wished",
 ]
 
-OPEN, NODES, SOLVES, DIVE, DEPTH, WORDS, ACTIVE, PENDING, LAST = 0, 1, 2, 3, 4, 5, 6, 7, 8
+OPEN, NODES, SOLVES, DIVE, DEPTH, WORDS, ACTIVE, PENDING, LAST, FATE, WAY = 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10
 """Counters: open nodes, nodes visited, programs solved, whether the last node was split, its depth, words tried,
-active inequalities at the root, words to be tried, slot of the node at hand."""
+active inequalities at the root, words to be tried, slot of the node at hand, what became of it, and its
+entries of `split`."""
+COUNTERS = 13
+"""Their number."""
 
 
 @leaf
@@ -61,12 +67,12 @@ def least_open(bound, order, counters):
 
 @compiled
 def push(tree, counters, box, bound, variable, value, active, near):
-    """Open a node; there has to be a free slot."""
+    """Open a node below the one that was visited last; there has to be a free slot."""
     slot = tree[7][counters[OPEN]]
     counters[OPEN] += 1
     tree[0][slot], tree[1][slot] = box
     tree[2][slot] = bound
-    tree[3][slot, 0], tree[3][slot, 1] = variable, value
+    tree[3][slot, 0], tree[3][slot, 1], tree[3][slot, 2] = variable, value, counters[NODES]
     tree[4][slot] = counters[DEPTH] + 1
     count = min(len(active), tree[5].shape[1])
     for i in range(count):

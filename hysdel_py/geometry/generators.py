@@ -1,0 +1,149 @@
+"""Vertices, rays and lines of a polyhedron, and the rows of a convex hull.
+
+Around an inner point the polyhedron ``{v : G v <= h}`` with ``h > 0`` is the polar of the points ``g_i / h_i``. A facet
+``n'x <= 1`` of their convex hull with the origin is a vertex ``n`` of the polyhedron, a facet ``n'x <= 0`` an extreme
+ray ``n`` (G. M. Ziegler, "Lectures on polytopes", 1995, section 2.3). Qhull computes that hull. The rows of a convex
+hull are found by the same step applied to its polar.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from hysdel_py.errors import ArgumentError
+from hysdel_py.geometry.affine_hull import AffineHull, null_space
+
+__all__ = ["Generators", "generators_of"]
+
+Vector = NDArray[np.float64]
+Matrix = NDArray[np.float64]
+
+_AT_INFINITY = 1e-10
+"""A facet of the polar this close to the origin, relative to the size of the polar, belongs to a ray."""
+_SAME = 1e-8
+"""Generators closer than this, relative to their size, are one."""
+_RANK = 1e-9
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class Generators:
+    """``conv(points) + cone(rays) + span(lines)``, one per row.
+
+    Attributes
+    ----------
+    points : array of shape (p, n)
+        Vertices when there are no lines.
+    rays : array of shape (r, n)
+        Extreme rays, of unit length.
+    lines : array of shape (l, n)
+        Orthonormal.
+    """
+
+    points: Matrix
+    rays: Matrix
+    lines: Matrix
+
+    @property
+    def is_bounded(self) -> bool:
+        """Whether points alone generate the set."""
+        return not len(self.rays) and not len(self.lines)
+
+
+def generators_of(A: Matrix, b: Vector, hull: AffineHull) -> Generators:
+    """Generators of ``{w : A w <= b}``.
+
+    Parameters
+    ----------
+    A : array of shape (m, n)
+        Rows of unit length.
+    b : array of shape (m,)
+    hull : AffineHull
+        Of this polyhedron.
+
+    Raises
+    ------
+    ArgumentError
+        If Qhull can't compute the hull of the polar.
+    """
+    G, h = A[~hull.tight] @ hull.basis, (b - A @ hull.origin)[~hull.tight]
+    lines = null_space(G, _RANK)
+    across = _complement(lines, hull.dimension)
+    points, rays = _pointed(G @ across, h)
+    frame = hull.basis @ across
+    return Generators(
+        hull.origin + points @ frame.T, _unit(rays @ frame.T), np.ascontiguousarray((hull.basis @ lines).T)
+    )
+
+
+def _distinct(rows: Matrix, scale: Vector | float) -> Matrix:
+    """Rows in order, of those that are the same in coordinates of the given sizes one each."""
+    scaled = rows / scale
+    kept: list[int] = []
+    for i in np.lexsort(np.round(scaled, 9).T[::-1]) if len(rows) else ():
+        size = _SAME * (1.0 + float(np.max(np.abs(scaled[i]))))
+        if not kept or np.min(np.max(np.abs(scaled[kept] - scaled[i]), axis=1)) > size:
+            kept.append(int(i))
+    return np.asarray(rows[kept] + 0.0)
+
+
+def _complement(lines: Matrix, dimension: int) -> Matrix:
+    return null_space(lines.T, _RANK) if lines.shape[1] else np.eye(dimension)
+
+
+def _unit(rays: Matrix) -> Matrix:
+    return np.asarray(rays / np.linalg.norm(rays, axis=1, keepdims=True)) if len(rays) else rays
+
+
+def _pointed(G: Matrix, h: Vector) -> tuple[Matrix, Matrix]:
+    """Vertices and rays of ``{v : G v <= h}`` with the origin inside and no line."""
+    if not G.shape[1]:
+        return np.zeros((1, 0)), np.zeros((0, 0))
+    scale = _scale(G, h)
+    facets = _polar_facets((G * scale) / h[:, None])
+    far = facets.offsets <= _AT_INFINITY
+    corners = (facets.normals[~far] / facets.offsets[~far, None]) * scale
+    sharp = [_sharpened(G, h, corner, rows) for corner, rows in zip(corners, facets.rows[~far], strict=True)]
+    return _distinct(np.array(sharp).reshape(-1, G.shape[1]), scale), _distinct(_unit(facets.normals[far] * scale), 1.0)
+
+
+def _scale(G: Matrix, h: Vector) -> Vector:
+    """Sizes of the coordinates that make the polar about round: the distance to the first row along each axis."""
+    reach = np.max(np.abs(G) / h[:, None], axis=0)
+    return np.asarray(1.0 / np.maximum(reach, np.finfo(float).tiny))
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class _Facets:
+    """Facets of the polar, cut into simplices: unit normals, offsets, and the rows whose points span each."""
+
+    normals: Matrix
+    offsets: Vector
+    rows: NDArray[np.intp]
+
+
+def _polar_facets(points: Matrix) -> _Facets:
+    """Facets of the convex hull of points and the origin; the origin counts as row -1."""
+    everything = np.vstack([np.zeros(points.shape[1]), points])
+    if points.shape[1] == 1:
+        ends = np.array([[np.argmax(everything)], [np.argmin(everything)]])
+        return _Facets(np.array([[1.0], [-1.0]]), np.abs(everything[ends[:, 0], 0]), ends - 1)
+    from scipy.spatial import ConvexHull, QhullError
+
+    try:
+        hull = ConvexHull(everything)
+    except QhullError as error:
+        raise ArgumentError(
+            "the vertices of the polyhedron can't be computed: its rows are too nearly dependent, or its size differs "
+            "too much between directions; scale the coordinates"
+        ) from error
+    return _Facets(hull.equations[:, :-1], -hull.equations[:, -1], hull.simplices - 1)
+
+
+def _sharpened(G: Matrix, h: Vector, corner: Vector, rows: NDArray[np.intp]) -> Vector:
+    """The vertex at which the rows of one simplex of its facet meet."""
+    active = rows[rows >= 0]
+    step = np.linalg.lstsq(G[active], h[active] - G[active] @ corner, rcond=_RANK)[0]
+    return np.asarray(corner + step)
