@@ -46,6 +46,7 @@ if TYPE_CHECKING:
     from hysdel_py.optimize.mpmiqp import MpMiqp, MpMiqpSettings, solve_mpmiqp
     from hysdel_py.optimize.mpqp import MpQp, MpQpSettings, ParametricSolution, solve_mpqp
     from hysdel_py.optimize.node_log import NodeLog
+    from hysdel_py.optimize.warm_up import warm_up
     from hysdel_py.reports.explain_infeasible import explain_infeasible
     from hysdel_py.reports.explanation import Explanation
     from hysdel_py.shipped import shipped_models
@@ -65,8 +66,8 @@ __all__ = [
     "PolyhedralUnion", "Polyhedron", "Pwa", "SimulationError", "Trajectory", "Verification", "WellPosedness",
     "__version__", "audit", "closed_loop", "diff", "explain_infeasible", "explicit", "load", "minkowski_sum",
     "pontryagin_difference", "read_case", "read_json", "shipped_models", "simulate", "solve_boxed_lcp", "solve_lcp",
-    "solve_mpmiqp", "solve_mpqp", "to_c", "to_dha", "to_mld", "to_pwa", "to_symbolic_mld", "verify", "well_posed",
-    "with_disturbances",
+    "solve_mpmiqp", "solve_mpqp", "to_c", "to_dha", "to_mld", "to_pwa", "to_symbolic_mld", "verify", "warm_up",
+    "well_posed", "with_disturbances",
 ]  # fmt: skip
 
 _HOME = {
@@ -138,6 +139,7 @@ _HOME = {
     "to_pwa": "model",
     "to_symbolic_mld": "model",
     "verify": "analysis.verify",
+    "warm_up": "optimize.warm_up",
     "well_posed": "analysis.well_posed",
     "with_disturbances": "control.disturbance",
 }
