@@ -1,0 +1,320 @@
+"""The simulation methods as frozen objects that carry their options.
+
+Steps `dt` are largest steps: a scheme with fixed steps divides the time span, or the interval between two samples, into
+equal ones.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, fields
+from math import isfinite
+from typing import Any
+
+from hysdel_py.errors import ArgumentError
+
+__all__ = [
+    "DECOMPOSITIONS", "INTEGRATORS", "LCP_SOLVERS", "AugmentedLagrangian", "EventDriven", "Exact", "FixedStepLcp",
+    "Karnopp", "Moreau", "Scheme", "Smoothing", "SwitchModel", "VariableStepMoreau", "WaitState",
+]  # fmt: skip
+
+INTEGRATORS = ("euler", "rk3", "rk4")
+DECOMPOSITIONS = ("leine-nijmeijer", "pfeiffer-glocker")
+LCP_SOLVERS = ("auto", "enumerative", "lemke", "pgs", "newton")
+
+
+def _check(scheme: Any, **rules: tuple[Any, ...] | float) -> None:
+    """Check options: a tuple lists what is allowed, a number is what they have to exceed, None passes."""
+    for name, rule in rules.items():
+        value = getattr(scheme, name)
+        if value is None:
+            continue
+        if isinstance(rule, tuple):
+            good, words = value in rule, "one of " + ", ".join(map(str, rule))
+        else:
+            good = isinstance(value, int | float) and isfinite(value) and value > rule
+            words = f"a number above {rule:g}"
+        if not good:
+            raise ArgumentError(f"{type(scheme).__name__}: {name} is {value!r}, {words} was expected")
+
+
+def _check_theta(scheme: Any) -> None:
+    if scheme.theta is not None and not 0.5 <= scheme.theta <= 1.0:
+        raise ArgumentError(f"{type(scheme).__name__}: theta is {scheme.theta}, a number in [0.5, 1] was expected")
+
+
+@dataclass(frozen=True, slots=True)
+class Moreau:
+    """Time-stepping on velocity level, one contact problem per step.
+
+    Parameters
+    ----------
+    dt : float
+        Step [s].
+    theta : float, optional
+        None: Moreau's explicit midpoint scheme of the document. 0.5 to 1: the theta scheme; 0.5 is of second order,
+        also through events, and keeps the energy balance exactly.
+    inputs : str
+        When signals are read: in the ``"middle"`` of a step or, as the document's code does, at its ``"start"``.
+    solver : str
+        ``"box"`` is the own active-set solver; the others are those of `optimize.lcp` on an explicit LCP.
+    decomposition : str
+        Of the friction law, for an explicit LCP: ``"leine-nijmeijer"`` has 2 unknowns per contact,
+        ``"pfeiffer-glocker"`` has 4.
+    """
+
+    dt: float = 1e-3
+    theta: float | None = 0.5
+    inputs: str = "middle"
+    solver: str = "box"
+    decomposition: str = "leine-nijmeijer"
+
+    def __post_init__(self) -> None:
+        _check(
+            self, dt=0.0, inputs=("middle", "start"), solver=("box", *LCP_SOLVERS), decomposition=DECOMPOSITIONS
+        )  # fmt: skip
+        _check_theta(self)
+
+
+@dataclass(frozen=True, slots=True)
+class AugmentedLagrangian:
+    """Time-stepping on velocity level with prox iterations for the contacts.
+
+    Parameters
+    ----------
+    dt : float
+        Step [s].
+    steepness : float, optional
+        Of the regularised law [Nm s/rad], the same for all contacts, as in the document; iterations converge while
+        ``steepness * dt * lambda_max(G) < 2``. None: one steepness per contact, ``1 / G_ii``, contact after contact,
+        which always converges.
+    tolerance : float
+        With a steepness: change of the torques [Nm] at which iterations stop. Without: slip that is left, relative to
+        its terms.
+    iterations : int
+        Limit per step; steps that reach it are counted in ``info["failures"]``.
+    theta, inputs
+        As for :class:`Moreau`.
+    """
+
+    dt: float = 1e-3
+    steepness: float | None = None
+    tolerance: float = 1e-12
+    iterations: int = 100_000
+    theta: float | None = 0.5
+    inputs: str = "middle"
+
+    def __post_init__(self) -> None:
+        _check(self, dt=0.0, steepness=0.0, tolerance=0.0, iterations=0, inputs=("middle", "start"))
+        _check_theta(self)
+
+
+@dataclass(frozen=True, slots=True)
+class VariableStepMoreau:
+    """Time-stepping with error control: each step is done once whole and once in two halves.
+
+    Where all three have the same modes, and only there, the two results are extrapolated to fourth order.
+
+    Parameters
+    ----------
+    tolerance : float
+        Error per step in speeds [rad/s].
+    dt : float
+        First step [s].
+    min_step, max_step : float
+        [s]; steps of the least size are accepted whatever their error: that is how events are passed.
+    extrapolate : bool
+    """
+
+    tolerance: float = 1e-4
+    dt: float = 1e-3
+    min_step: float = 1e-7
+    max_step: float = 0.05
+    extrapolate: bool = True
+
+    def __post_init__(self) -> None:
+        _check(self, tolerance=0.0, dt=0.0, min_step=0.0, max_step=0.0)
+
+
+@dataclass(frozen=True, slots=True)
+class Smoothing:
+    """The sign of the slip replaced by ``2/pi atan(steepness * slip)``: an ordinary, stiff differential equation.
+
+    Parameters
+    ----------
+    steepness : float
+        [s/rad]
+    dt : float, optional
+        Fixed step; None: variable steps by the implicit Radau method.
+    integrator : str
+        With fixed steps: ``"euler"``, ``"rk3"`` or ``"rk4"``.
+    rtol, atol : float
+        Of variable steps.
+    """
+
+    steepness: float = 1e3
+    dt: float | None = None
+    integrator: str = "rk4"
+    rtol: float = 1e-7
+    atol: float = 1e-9
+
+    def __post_init__(self) -> None:
+        _check(self, steepness=0.0, dt=0.0, integrator=INTEGRATORS, rtol=0.0, atol=0.0)
+
+
+@dataclass(frozen=True, slots=True)
+class Karnopp:
+    """Contacts inside a band around zero slip get the torque that keeps their slip, cut to what they can hold.
+
+    Parameters
+    ----------
+    dt : float
+        Step [s].
+    band : float, optional
+        Half-width [rad/s]; None: what a slip can move in one step, so that no step jumps over the band.
+    integrator : str
+    """
+
+    dt: float = 1e-3
+    band: float | None = None
+    integrator: str = "rk3"
+
+    def __post_init__(self) -> None:
+        _check(self, dt=0.0, band=0.0, integrator=INTEGRATORS)
+
+
+@dataclass(frozen=True, slots=True)
+class SwitchModel:
+    """The Switch Model: in the band the vector fields on both sides decide between transition and attractive sliding.
+
+    Parameters
+    ----------
+    dt : float
+        Step [s].
+    band : float, optional
+        Half-width [rad/s]; None: what a slip can move in one step.
+    tau : float, optional
+        Time constant [s] with which a sticking contact is driven to zero slip; None: two steps; infinite: not driven.
+    integrator : str
+    """
+
+    dt: float = 1e-3
+    band: float | None = None
+    tau: float | None = None
+    integrator: str = "rk3"
+
+    def __post_init__(self) -> None:
+        _check(self, dt=0.0, band=0.0, integrator=INTEGRATORS)
+        if self.tau is not None and not self.tau > 0:
+            raise ArgumentError(f"SwitchModel: tau is {self.tau!r}, a number above zero was expected")
+
+
+@dataclass(frozen=True, slots=True)
+class FixedStepLcp:
+    """The document's event-driven method in fixed steps: in a band around zero slip an LCP chooses modes and torques.
+
+    No event is located and nothing drives the slip to zero.
+
+    Parameters
+    ----------
+    dt : float
+        Step [s].
+    band : float, optional
+        Half-width [rad/s]; None: what a slip can move in one step.
+    integrator : str
+    decomposition, solver
+        As for :class:`Moreau`.
+    """
+
+    dt: float = 1e-3
+    band: float | None = None
+    integrator: str = "euler"
+    decomposition: str = "leine-nijmeijer"
+    solver: str = "auto"
+
+    def __post_init__(self) -> None:
+        _check(
+            self, dt=0.0, band=0.0, integrator=INTEGRATORS, decomposition=DECOMPOSITIONS, solver=("box", *LCP_SOLVERS)
+        )  # fmt: skip
+
+
+@dataclass(frozen=True, slots=True)
+class WaitState:
+    """Controllable clutches: unengaged, engaged, locked, and the wait state with mode iteration after each step.
+
+    Parameters
+    ----------
+    dt : float
+        Step [s].
+    band : float
+        Slip [rad/s] below which a clutch locks and above which a waiting one is engaged.
+    integrator : str
+    """
+
+    dt: float = 1e-3
+    band: float = 1e-3
+    integrator: str = "rk3"
+
+    def __post_init__(self) -> None:
+        _check(self, dt=0.0, band=0.0, integrator=INTEGRATORS)
+
+
+@dataclass(frozen=True, slots=True)
+class EventDriven:
+    """Integration between events, which are located by root finding; an LCP chooses the modes at each of them.
+
+    Parameters
+    ----------
+    integrator : str
+        ``"dop853"`` (order 8), ``"rk45"`` or ``"radau"`` with variable steps; ``"euler"``, ``"rk3"`` or ``"rk4"`` with
+        fixed ones.
+    rtol, atol : float
+        Of variable steps.
+    max_step : float
+        [s]; between two steps at most one root per indicator is seen.
+    dt : float
+        Fixed step [s].
+    decomposition, solver
+        As for :class:`Moreau`.
+    """
+
+    integrator: str = "dop853"
+    rtol: float = 1e-9
+    atol: float = 1e-9
+    max_step: float = 0.02
+    dt: float = 1e-3
+    decomposition: str = "leine-nijmeijer"
+    solver: str = "auto"
+
+    def __post_init__(self) -> None:
+        _check(
+            self, integrator=("dop853", "rk45", "radau", *INTEGRATORS), rtol=0.0, atol=0.0, max_step=0.0, dt=0.0,
+            decomposition=DECOMPOSITIONS, solver=("box", *LCP_SOLVERS),
+        )  # fmt: skip
+
+
+@dataclass(frozen=True, slots=True)
+class Exact:
+    """Matrix exponentials between events: for linear equations, constant coefficients and piecewise linear inputs.
+
+    Parameters
+    ----------
+    look : float
+        Interval [s] at which indicators are looked at for a change of sign.
+    """
+
+    look: float = 2e-3
+
+    def __post_init__(self) -> None:
+        _check(self, look=0.0)
+
+
+Scheme = (
+    Moreau | AugmentedLagrangian | VariableStepMoreau | Smoothing | Karnopp | SwitchModel | FixedStepLcp | WaitState
+    | EventDriven | Exact
+)  # fmt: skip
+
+
+def describe(scheme: Scheme) -> str:
+    """A scheme with the options that differ from its defaults."""
+    changed = [f"{f.name}={getattr(scheme, f.name)!r}" for f in fields(scheme) if getattr(scheme, f.name) != f.default]
+    return f"{type(scheme).__name__}({', '.join(changed)})"
