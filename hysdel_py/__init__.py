@@ -27,6 +27,7 @@ if TYPE_CHECKING:
     from hysdel_py.export.json_file import read_json
     from hysdel_py.model import Model, audit, load, to_dha, to_mld, to_pwa, to_symbolic_mld
     from hysdel_py.optimize.case_file import CaseFile, read_case
+    from hysdel_py.optimize.lcp.solve import LcpResult, LcpSettings, LcpStatus, solve_boxed_lcp, solve_lcp
     from hysdel_py.optimize.mpqp import MpQp, MpQpSettings, ParametricSolution, solve_mpqp
     from hysdel_py.optimize.node_log import NodeLog
     from hysdel_py.reports.explain_infeasible import explain_infeasible
@@ -40,10 +41,12 @@ if TYPE_CHECKING:
 
 __all__ = [
     "ArgumentError", "CaseFile", "CompileError", "Cost", "Dha", "Difference", "Estimate", "Explanation",
-    "ExplicitLaw", "HybridMpc", "HysdelError", "KalmanObserver", "Limits", "Margins", "Mld", "Model", "Move",
+    "ExplicitLaw", "HybridMpc", "HysdelError", "KalmanObserver", "LcpResult", "LcpSettings", "LcpStatus", "Limits",
+    "Margins", "Mld", "Model", "Move",
     "MoveStatus", "MovingHorizonEstimator", "MpQp", "MpQpSettings", "NodeLog", "ParametricSolution", "Pwa",
     "SimulationError", "Trajectory", "Verification", "WellPosedness", "__version__", "audit", "closed_loop", "diff",
-    "explain_infeasible", "load", "read_case", "read_json", "shipped_models", "simulate", "solve_mpqp", "to_dha",
+    "explain_infeasible", "load", "read_case", "read_json", "shipped_models", "simulate",
+    "solve_boxed_lcp", "solve_lcp", "solve_mpqp", "to_dha",
     "to_mld", "to_pwa", "to_symbolic_mld", "verify", "well_posed", "with_disturbances",
 ]  # fmt: skip
 
@@ -60,6 +63,9 @@ _HOME = {
     "HybridMpc": "control.hybrid_mpc",
     "HysdelError": "errors",
     "KalmanObserver": "control.observer",
+    "LcpResult": "optimize.lcp.solve",
+    "LcpSettings": "optimize.lcp.solve",
+    "LcpStatus": "optimize.lcp.solve",
     "Limits": "control.limits",
     "Margins": "analysis.margins",
     "Mld": "systems.mld",
@@ -85,6 +91,8 @@ _HOME = {
     "read_json": "export.json_file",
     "shipped_models": "shipped",
     "simulate": "systems.simulation",
+    "solve_boxed_lcp": "optimize.lcp.solve",
+    "solve_lcp": "optimize.lcp.solve",
     "solve_mpqp": "optimize.mpqp",
     "to_dha": "model",
     "to_mld": "model",
