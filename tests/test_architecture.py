@@ -58,6 +58,7 @@ LAZILY = {
     "control": {"plotting"},
     "model": {"shipped"},
     "demos": {"plotting"},
+    "drivetrain": {"plotting"},
     "analysis": {"lowering"},
 }
 

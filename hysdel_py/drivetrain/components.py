@@ -210,7 +210,9 @@ class SpeedSource:
         _set_signal(self, "speed")
         times = getattr(self.speed, "times", None)
         if times is None or len(np.unique(times)) < len(times):
-            raise ArgumentError(f"SpeedSource {self.name}: a constant or piecewise linear speed without jumps is needed")
+            raise ArgumentError(
+                f"SpeedSource {self.name}: a constant or piecewise linear speed without jumps is needed"
+            )
 
 
 @dataclass(frozen=True, slots=True)

@@ -166,7 +166,9 @@ def _finite_vector(given: ArrayLike, what: str) -> Vector:
     if vector.ndim != 1:
         raise ArgumentError(f"{what} of a signal have shape {vector.shape}: a vector was expected")
     if not np.all(np.isfinite(vector)):
-        raise ArgumentError(f"{what} of a signal contain {vector[~np.isfinite(vector)][0]}: finite numbers were expected")
+        raise ArgumentError(
+            f"{what} of a signal contain {vector[~np.isfinite(vector)][0]}: finite numbers were expected"
+        )
     return vector
 
 

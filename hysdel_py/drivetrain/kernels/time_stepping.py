@@ -27,9 +27,15 @@ from hysdel_py.drivetrain.kernels.forces import (
 from hysdel_py.drivetrain.kernels.prox import solve_prox
 from hysdel_py.optimize.compiled import compiled
 
-__all__ = ["NEGATIVE", "OPEN", "POSITIVE", "STICK", "advance", "free_motion", "impulses", "mode_of", "record", "run"]
+__all__ = [
+    "NEGATIVE", "OPEN", "POSITIVE", "STICK", "advance", "count_work", "free_motion", "limits_of", "may_hold",
+    "record", "run",
+]  # fmt: skip
 
 NEGATIVE, STICK, POSITIVE, OPEN = -1, 0, 1, 2
+
+AT_LIMIT = 1e-10
+"""An impulse this near to a limit, as a share of the range, is at it."""
 
 
 @compiled
@@ -54,9 +60,10 @@ def mode_of(P, lo, hi):
     """Mode of a contact from its impulse."""
     if hi <= lo:
         return OPEN
-    if P <= lo:
+    margin = AT_LIMIT * (hi - lo)
+    if P <= lo + margin:
         return POSITIVE
-    if P >= hi:
+    if P >= hi - margin:
         return NEGATIVE
     return STICK
 
@@ -79,9 +86,6 @@ def limits_of(plant, pressure, slip, mode, dt, lo, hi):
 def impulses(plant, G, c, pressure, slip, mode, dt, solver, P, lo, hi):
     """Impulses of one step: P, lo and hi are overwritten.
 
-    A contact whose slip would change its sign under the sliding friction may hold with the static one instead, and is
-    solved for again.
-
     Returns
     -------
     int
@@ -89,6 +93,18 @@ def impulses(plant, G, c, pressure, slip, mode, dt, solver, P, lo, hi):
     """
     limits_of(plant, pressure, slip, mode, dt, lo, hi)
     spent = solve_one(G, c, solver, dt, P, lo, hi)
+    if may_hold(plant, G, c, pressure, slip, mode, dt, P, lo, hi):
+        more = solve_one(G, c, solver, dt, P, lo, hi)
+        spent = spent + more if spent >= 0 and more >= 0 else -1
+    return spent
+
+
+@compiled
+def may_hold(plant, G, c, pressure, slip, mode, dt, P, lo, hi):
+    """Give contacts whose slip ends or changes its sign in this step their static limits; whether there is one.
+
+    Only contacts that hold more than they transmit while sliding need it: the problem is then solved again.
+    """
     again = False
     for i in range(len(c)):
         if plant.laws[i, 0] > plant.laws[i, 1] and mode[i] != STICK:
@@ -99,10 +115,7 @@ def impulses(plant, G, c, pressure, slip, mode, dt, solver, P, lo, hi):
                 capacity = plant.laws[i, 0] * pressure[i] * dt
                 lo[i], hi[i] = plant.side[i, 0] * capacity, plant.side[i, 1] * capacity
                 again = True
-    if again:
-        more = solve_one(G, c, solver, dt, P, lo, hi)
-        spent = spent + more if spent >= 0 and more >= 0 else -1
-    return spent
+    return again
 
 
 @compiled

@@ -18,7 +18,7 @@ __all__ = [
 ]  # fmt: skip
 
 INTEGRATORS = ("euler", "rk3", "rk4")
-DECOMPOSITIONS = ("leine-nijmeijer", "pfeiffer-glocker")
+DECOMPOSITIONS = ("leine-nijmeijer", "pfeiffer-glocker", "boxed")
 LCP_SOLVERS = ("auto", "enumerative", "lemke", "pgs", "newton")
 
 
@@ -56,21 +56,21 @@ class Moreau:
     inputs : str
         When signals are read: in the ``"middle"`` of a step or, as the document's code does, at its ``"start"``.
     solver : str
-        ``"box"`` is the own active-set solver; the others are those of `optimize.lcp` on an explicit LCP.
+        ``"active-set"`` is the compiled solver of the friction law as it stands; the others are those of `optimize.lcp` on an explicit LCP.
     decomposition : str
         Of the friction law, for an explicit LCP: ``"leine-nijmeijer"`` has 2 unknowns per contact,
-        ``"pfeiffer-glocker"`` has 4.
+        ``"pfeiffer-glocker"`` has 4, ``"boxed"`` 1 with two bounds.
     """
 
     dt: float = 1e-3
     theta: float | None = 0.5
     inputs: str = "middle"
-    solver: str = "box"
+    solver: str = "active-set"
     decomposition: str = "leine-nijmeijer"
 
     def __post_init__(self) -> None:
         _check(
-            self, dt=0.0, inputs=("middle", "start"), solver=("box", *LCP_SOLVERS), decomposition=DECOMPOSITIONS
+            self, dt=0.0, inputs=("middle", "start"), solver=("active-set", *LCP_SOLVERS), decomposition=DECOMPOSITIONS
         )  # fmt: skip
         _check_theta(self)
 
@@ -233,7 +233,7 @@ class FixedStepLcp:
 
     def __post_init__(self) -> None:
         _check(
-            self, dt=0.0, band=0.0, integrator=INTEGRATORS, decomposition=DECOMPOSITIONS, solver=("box", *LCP_SOLVERS)
+            self, dt=0.0, band=0.0, integrator=INTEGRATORS, decomposition=DECOMPOSITIONS, solver=("active-set", *LCP_SOLVERS)
         )  # fmt: skip
 
 
@@ -288,7 +288,7 @@ class EventDriven:
     def __post_init__(self) -> None:
         _check(
             self, integrator=("dop853", "rk45", "radau", *INTEGRATORS), rtol=0.0, atol=0.0, max_step=0.0, dt=0.0,
-            decomposition=DECOMPOSITIONS, solver=("box", *LCP_SOLVERS),
+            decomposition=DECOMPOSITIONS, solver=("active-set", *LCP_SOLVERS),
         )  # fmt: skip
 
 

@@ -15,11 +15,11 @@ from hysdel_py.drivetrain.schemes.grid import Grid, grid
 from hysdel_py.drivetrain.schemes.options import AugmentedLagrangian, Moreau, describe
 from hysdel_py.drivetrain.trajectory import DrivetrainTrajectory
 
-__all__ = ["BOX", "effective_inverse", "first_modes", "integrate", "weights_of"]
+__all__ = ["ACTIVE_SET", "effective_inverse", "first_modes", "integrate", "weights_of"]
 
 Matrix = NDArray[np.float64]
 
-BOX = (0.0, 0.0, 0.0, 0.0)
+ACTIVE_SET = (0.0, 0.0, 0.0, 0.0)
 """The active-set solver, in the form in which the kernels take a solver."""
 
 
@@ -38,7 +38,7 @@ def integrate(
     mode = first_modes(plant, inputs, u)
     record.modes[0] = mode
     A, weights = effective_inverse(plant, scheme.theta, steps.dt), weights_of(scheme.theta)
-    if isinstance(scheme, Moreau) and scheme.solver != "box":
+    if isinstance(scheme, Moreau) and scheme.solver != "active-set":
         run_with_lcp(plant, inputs, A, weights, steps.dt, scheme, u, e, mode, record)
     else:
         run(plant, inputs, A, weights, steps.dt, _solver(scheme), u, e, mode, record)
@@ -54,7 +54,7 @@ def step_inputs(equations: Equations, steps: Grid, when: str) -> Inputs:
 
 def _solver(scheme: Moreau | AugmentedLagrangian) -> tuple[float, float, float, float]:
     if isinstance(scheme, Moreau):
-        return BOX
+        return ACTIVE_SET
     if scheme.steepness is None:
         return (SEIDEL, 1.0, float(scheme.tolerance), float(scheme.iterations))
     return (JACOBI, float(scheme.steepness), float(scheme.tolerance), float(scheme.iterations))
@@ -94,5 +94,7 @@ def _trajectory(
         "solves": int(np.sum(np.maximum(record.effort, 0))),
         "failures": failures,
     }
-    messages = (f"the contact problem did not converge in {failures} of {len(record.effort)} steps",) if failures else ()
+    messages = (
+        (f"the contact problem did not converge in {failures} of {len(record.effort)} steps",) if failures else ()
+    )
     return trajectory_of(equations, steps.t, record, every=steps.every, info=info, messages=messages)
