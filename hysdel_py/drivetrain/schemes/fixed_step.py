@@ -38,6 +38,9 @@ METHODS: dict[str, tuple[list[list[float]], list[float], tuple[float, ...], list
 
 _TAU_IN_STEPS = 2.0
 
+_KARNOPP_SHARE = 0.02
+"""Nothing reduces the slip inside Karnopp's band, so that its width is an error; far narrower ones are jumped over."""
+
 
 def integrate(
     equations: Equations,
@@ -73,7 +76,7 @@ def _rule(
         case Smoothing(steepness=steepness):
             return SMOOTH, (0.0, 0.0, float(steepness))
         case Karnopp(band=band):
-            return KARNOPP, (natural_band(plant, inputs, dt) if band is None else float(band), 0.0, 0.0)
+            return KARNOPP, (_KARNOPP_SHARE * natural_band(plant, inputs, dt) if band is None else float(band), 0.0, 0.0)
         case SwitchModel(band=band, tau=tau):
             rate = 1.0 / (_TAU_IN_STEPS * dt if tau is None else tau)
             return SWITCH, (natural_band(plant, inputs, dt) if band is None else float(band), rate, 0.0)

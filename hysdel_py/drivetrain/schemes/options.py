@@ -170,7 +170,7 @@ class Karnopp:
     dt : float
         Step [s].
     band : float, optional
-        Half-width [rad/s]; None: what a slip can move in one step, so that no step jumps over the band.
+        Half-width [rad/s]; None: a fiftieth of what a slip can move in one step.
     integrator : str
     """
 

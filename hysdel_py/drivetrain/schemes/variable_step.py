@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from hysdel_py.drivetrain.equations import Equations
 from hysdel_py.drivetrain.kernels.arrays import Inputs, Plant, Record, empty_record
-from hysdel_py.drivetrain.kernels.time_stepping import run
+from hysdel_py.drivetrain.kernels.time_stepping import STICK, run
 from hysdel_py.drivetrain.recording import trajectory_of
 from hysdel_py.drivetrain.schemes.grid import sample_times
 from hysdel_py.drivetrain.schemes.options import VariableStepMoreau, describe
@@ -26,10 +26,12 @@ __all__ = ["integrate"]
 
 Matrix = NDArray[np.float64]
 Modes = NDArray[np.int64]
+_Row = tuple[float, Matrix, Matrix, Matrix, Matrix, Matrix, Modes, Matrix]
 
 _THETA = 0.5
 _SAFETY, _GROW, _SHRINK = 0.9, 4.0, 0.2
 _EVENT_SHRINK = 0.5
+_SOLVES = 3
 
 
 @dataclass(slots=True)
@@ -43,8 +45,9 @@ class _Run:
     e: Matrix
     modes: Modes
     dt: float
-    rows: list[tuple[float, Matrix, Matrix, Matrix, Matrix, Matrix, Modes, Matrix]] = field(default_factory=list)
+    rows: list[_Row] = field(default_factory=list)
     works: Matrix = field(default_factory=lambda: np.zeros(3))
+    steps: int = 0
     solves: int = 0
     rejected: int = 0
 
@@ -72,28 +75,41 @@ def integrate(
     zero = np.zeros(len(modes))
     state.rows.append((0.0, u, e, zero, zero, zero, modes.copy(), state.works))
     for segment in segments(equations, until):
-        stops = [segment.end]
-        if wanted is not None:
-            stops = sorted({*wanted[(wanted > segment.start) & (wanted < segment.end)].tolist(), segment.end})
-        for stop in stops:
-            _go_to(state, segment, stop)
-    return _trajectory(equations, state, wanted)
+        _go_through(state, segment, wanted)
+    return _trajectory(equations, state)
 
 
-def _go_to(state: _Run, segment: Segment, stop: float) -> None:
-    """Steps up to a time that has to be met."""
+def _go_through(state: _Run, segment: Segment, wanted: Matrix | None) -> None:
+    """Steps up to the end of a segment."""
     least = state.scheme.min_step
-    while state.t < stop:
-        left = stop - state.t
-        dt = left if left <= 1.01 * state.dt else min(state.dt, 0.5 * left if left < 2 * state.dt else left)
+    while state.t < segment.end:
+        left = segment.end - state.t
+        dt = left if left <= 1.01 * state.dt else min(state.dt, 0.5 * left)
         attempt = _attempt(state, segment, dt)
+        state.solves += _SOLVES
         if attempt.error > 1.0 and dt > least * 1.01:
             state.rejected += 1
             state.dt = max(least, dt * (_factor(attempt) if attempt.smooth else _EVENT_SHRINK))
             continue
-        _accept(state, attempt, dt, stop)
-        proposed = dt * _factor(attempt)
-        state.dt = float(np.clip(max(proposed, state.dt if dt < state.dt else 0.0), least, state.scheme.max_step))
+        end = segment.end if dt == left else state.t + dt
+        _sample(state, segment, attempt, end, wanted)
+        _accept(state, attempt, end)
+        proposed = max(dt * _factor(attempt), state.dt if dt < state.dt else 0.0)
+        state.dt = float(np.clip(proposed, least, state.scheme.max_step))
+
+
+def _sample(state: _Run, segment: Segment, attempt: _Attempt, end: float, wanted: Matrix | None) -> None:
+    """Write the samples up to the end of an accepted step; those inside it are steps of their own that lead nowhere."""
+    times = [end] if wanted is None else wanted[(wanted > state.t) & (wanted <= end)].tolist()
+    for t in times:
+        state.rows.append(_row(state, t, attempt if t == end else _attempt(state, segment, t - state.t)))
+
+
+def _row(state: _Run, t: float, attempt: _Attempt) -> _Row:
+    fine = attempt.fine
+    works = state.works + fine.works[-1]
+    contacts = (fine.torques[-1], fine.lower[-1], fine.upper[-1], attempt.modes.copy())
+    return (t, attempt.u, attempt.e, *contacts, works)
 
 
 def _factor(attempt: _Attempt) -> float:
@@ -108,7 +124,6 @@ def _attempt(state: _Run, segment: Segment, dt: float) -> _Attempt:
     """The step with dt, and with twice dt/2."""
     coarse, _ = _steps(state, segment, dt, 1)
     fine, modes = _steps(state, segment, 0.5 * dt, 2)
-    state.solves += 3
     error = max(
         float(np.max(np.abs(fine.speeds[-1] - coarse.speeds[-1]), initial=0.0)) / 3.0,
         float(np.max(np.abs(fine.twists[-1] - coarse.twists[-1]) * _frequency(state.plant), initial=0.0)) / 3.0,
@@ -118,12 +133,23 @@ def _attempt(state: _Run, segment: Segment, dt: float) -> _Attempt:
         and np.array_equal(fine.modes[2], coarse.modes[1])
         and np.array_equal(coarse.modes[1], state.modes)
     )
+    error = max(error, _late_break_away(state.plant, fine, dt))
     u, e = fine.speeds[-1], fine.twists[-1]
     if smooth and state.scheme.extrapolate:
         u, e = (4 * u - coarse.speeds[-1]) / 3, (4 * e - coarse.twists[-1]) / 3
     elif not smooth:
         error *= 3.0
     return _Attempt(u, e, error / state.scheme.tolerance, smooth, fine, modes)
+
+
+def _late_break_away(plant: Plant, fine: Record, dt: float) -> float:
+    """Slip that is missed where a sticking contact passes its limit behind the middle of the last half step.
+
+    A step knows mean torques only; the torque at its end is extrapolated from those of the two halves.
+    """
+    torque, lower, upper = (1.5 * a[2] - 0.5 * a[1] for a in (fine.torques, fine.lower, fine.upper))
+    excess = np.where(fine.modes[2] == STICK, np.maximum(torque - upper, lower - torque), 0.0)
+    return 0.25 * dt * float(np.max(np.maximum(excess, 0.0) * np.diag(plant.G), initial=0.0))
 
 
 def _frequency(plant: Plant) -> float:
@@ -146,32 +172,23 @@ def _steps(state: _Run, segment: Segment, dt: float, count: int) -> tuple[Record
     return record, modes
 
 
-def _accept(state: _Run, attempt: _Attempt, dt: float, stop: float) -> None:
-    left = stop - state.t - dt
-    state.t = stop if left <= 1e-12 * max(1.0, stop) else state.t + dt
-    state.u, state.e = attempt.u, attempt.e
-    state.modes = attempt.modes
+def _accept(state: _Run, attempt: _Attempt, end: float) -> None:
+    state.t, state.u, state.e, state.modes = end, attempt.u, attempt.e, attempt.modes
     state.works = state.works + attempt.fine.works[-1]
-    fine = attempt.fine
-    state.rows.append((
-        state.t, state.u, state.e, fine.torques[-1], fine.lower[-1], fine.upper[-1], attempt.modes.copy(), state.works,
-    ))  # fmt: skip
+    state.steps += 1
 
 
-def _trajectory(equations: Equations, state: _Run, wanted: Matrix | None) -> DrivetrainTrajectory:
-    rows = state.rows
-    if wanted is not None:
-        times = np.array([row[0] for row in rows])
-        rows = [rows[int(np.argmin(np.abs(times - t)))] for t in wanted]
-    t, *columns = (np.array(column) for column in zip(*rows, strict=True))
-    speeds, twists, torques, lower, upper, modes, works = columns
+def _trajectory(equations: Equations, state: _Run) -> DrivetrainTrajectory:
+    t, speeds, twists, torques, lower, upper, modes, works = (
+        np.array(column) for column in zip(*state.rows, strict=True)
+    )  # fmt: skip
     record = Record(speeds, twists, torques, lower, upper, modes, works, np.zeros(0, dtype=np.int64))
     if len(t) > 1:
         for array in (torques, lower, upper):
             array[0] = array[1]
     info = {
         "scheme": describe(state.scheme),
-        "steps": len(state.rows) - 1,
+        "steps": state.steps,
         "rejected": state.rejected,
         "solves": state.solves,
         "failures": 0,
