@@ -13,6 +13,7 @@ from numpy.typing import ArrayLike, NDArray
 from hysdel_py.drivetrain.assembly import assemble
 from hysdel_py.drivetrain.components import Component
 from hysdel_py.drivetrain.equations import Equations, equations_from_matrices
+from hysdel_py.drivetrain.hysdel_text import hysdel_text
 from hysdel_py.drivetrain.laws import FrictionLaw
 from hysdel_py.drivetrain.schemes.options import (
     AugmentedLagrangian,
@@ -188,6 +189,33 @@ class Drivetrain:
         module = import_module(f"hysdel_py.drivetrain.schemes.{_module_of(scheme)}")
         found: DrivetrainTrajectory = module.integrate(self.equations, u, e, float(until), scheme, sample)
         return found
+
+    def to_hysdel(
+        self,
+        ranges: Mapping[str, tuple[float, float]],
+        scheme: Moreau | Karnopp | None = None,
+        name: str = "drivetrain",
+    ) -> str:
+        """The sampled drivetrain as a ``.hys`` text, whose steps are those of the scheme.
+
+        The states are the independent speeds and the twists, the inputs the signals that have a range, named with
+        ``_u`` behind; ``hys.load(text)`` makes a model of it. See docs/drivetrain.md.
+
+        Parameters
+        ----------
+        ranges : mapping of name to (low, high)
+            Of every state, and of the signals that become inputs; the others have to be constant.
+        scheme : Moreau or Karnopp, optional
+            ``hys.Moreau(dt=0.01)`` by default.
+        name : str
+            Of the system.
+
+        Raises
+        ------
+        ArgumentError
+            A range is missing, or there is no such piecewise affine step.
+        """
+        return hysdel_text(self.equations, ranges, Moreau(dt=0.01) if scheme is None else scheme, name)
 
     def describe(self) -> str:
         """Independent shafts, mass matrix and directions, as text."""

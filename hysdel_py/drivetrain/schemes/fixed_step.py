@@ -11,10 +11,17 @@ from hysdel_py.drivetrain.kernels.contact_rules import HELD, KARNOPP, SMOOTH, SW
 from hysdel_py.drivetrain.kernels.fixed_step import run
 from hysdel_py.drivetrain.recording import trajectory_of
 from hysdel_py.drivetrain.schemes.grid import grid, inputs_at
-from hysdel_py.drivetrain.schemes.options import Karnopp, Smoothing, SwitchModel, WaitState, describe
+from hysdel_py.drivetrain.schemes.options import (
+    FixedStepLcp,
+    Karnopp,
+    Smoothing,
+    SwitchModel,
+    WaitState,
+    describe,
+)
 from hysdel_py.drivetrain.trajectory import DrivetrainTrajectory
 
-__all__ = ["METHODS", "integrate", "natural_band"]
+__all__ = ["METHODS", "integrate", "undriven_band"]
 
 Matrix = NDArray[np.float64]
 Method = tuple[Matrix, Matrix, NDArray[np.int64]]
@@ -38,8 +45,8 @@ METHODS: dict[str, tuple[list[list[float]], list[float], tuple[float, ...], list
 
 _TAU_IN_STEPS = 2.0
 
-_KARNOPP_SHARE = 0.02
-"""Nothing reduces the slip inside Karnopp's band, so that its width is an error; far narrower ones are jumped over."""
+_UNDRIVEN_SHARE = 0.5
+"""Where nothing reduces the slip inside the band, its width is an error: the narrowest that is not jumped over."""
 
 
 def integrate(
@@ -47,7 +54,7 @@ def integrate(
     u: Matrix,
     e: Matrix,
     until: float,
-    scheme: Smoothing | Karnopp | SwitchModel | WaitState,
+    scheme: Smoothing | Karnopp | SwitchModel | WaitState | FixedStepLcp,
     sample: float | None,
 ) -> DrivetrainTrajectory:
     """Run a scheme from speeds u and twists e; see :meth:`Drivetrain.simulate`."""
@@ -69,19 +76,26 @@ def integrate(
 
 
 def _rule(
-    scheme: Smoothing | Karnopp | SwitchModel | WaitState, plant: Plant, inputs: Inputs, dt: float
+    scheme: Smoothing | Karnopp | SwitchModel | WaitState | FixedStepLcp, plant: Plant, inputs: Inputs, dt: float
 ) -> tuple[int, tuple[float, float, float]]:
     """Rule of the contact torques and its options: band, rate, steepness."""
     match scheme:
         case Smoothing(steepness=steepness):
             return SMOOTH, (0.0, 0.0, float(steepness))
         case Karnopp(band=band):
-            return KARNOPP, (_KARNOPP_SHARE * natural_band(plant, inputs, dt) if band is None else float(band), 0.0, 0.0)
+            return KARNOPP, (undriven_band(plant, inputs, dt) if band is None else float(band), 0.0, 0.0)
         case SwitchModel(band=band, tau=tau):
             rate = 1.0 / (_TAU_IN_STEPS * dt if tau is None else tau)
             return SWITCH, (natural_band(plant, inputs, dt) if band is None else float(band), rate, 0.0)
+        case FixedStepLcp(band=band):  # the Switch Model that nothing drives to zero slip
+            return SWITCH, (undriven_band(plant, inputs, dt) if band is None else float(band), 0.0, 0.0)
         case WaitState(band=band):
             return HELD, (float(band), 0.0, 0.0)
+
+
+def undriven_band(plant: Plant, inputs: Inputs, dt: float) -> float:
+    """Band of the rules that do not drive the slip to zero [rad/s]."""
+    return _UNDRIVEN_SHARE * natural_band(plant, inputs, dt)
 
 
 def natural_band(plant: Plant, inputs: Inputs, dt: float) -> float:

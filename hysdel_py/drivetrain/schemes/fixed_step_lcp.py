@@ -19,7 +19,8 @@ from hysdel_py.drivetrain.kernels.forces import (
 )
 from hysdel_py.drivetrain.kernels.time_stepping import STICK, mode_of
 from hysdel_py.drivetrain.recording import trajectory_of
-from hysdel_py.drivetrain.schemes.fixed_step import METHODS, natural_band
+from hysdel_py.drivetrain.schemes.fixed_step import METHODS, undriven_band
+from hysdel_py.drivetrain.schemes.fixed_step import integrate as compiled_integrate
 from hysdel_py.drivetrain.schemes.grid import grid, inputs_at
 from hysdel_py.drivetrain.schemes.options import FixedStepLcp, describe
 from hysdel_py.drivetrain.trajectory import DrivetrainTrajectory
@@ -34,10 +35,12 @@ def integrate(
     equations: Equations, u: Matrix, e: Matrix, until: float, scheme: FixedStepLcp, sample: float | None
 ) -> DrivetrainTrajectory:
     """Run the scheme from speeds u and twists e; see :meth:`Drivetrain.simulate`."""
+    if scheme.solver == "active-set":
+        return compiled_integrate(equations, u, e, until, scheme, sample)
     steps = grid(equations, until, scheme.dt, sample)
     a, b, nodes, node = METHODS[scheme.integrator]
     inputs, plant = inputs_at(equations, steps, nodes), equations.plant
-    band = natural_band(plant, inputs, steps.dt) if scheme.band is None else scheme.band
+    band = undriven_band(plant, inputs, steps.dt) if scheme.band is None else scheme.band
     solver = ContactSolver(scheme.decomposition, scheme.solver)
     record = empty_record(len(steps.t) - 1, plant)
     n, m, last = len(u), len(e), len(steps.t) - 1

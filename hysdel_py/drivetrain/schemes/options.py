@@ -170,7 +170,7 @@ class Karnopp:
     dt : float
         Step [s].
     band : float, optional
-        Half-width [rad/s]; None: a fiftieth of what a slip can move in one step.
+        Half-width [rad/s]; None: half of what a slip can move in one step.
     integrator : str
     """
 
@@ -219,7 +219,7 @@ class FixedStepLcp:
     dt : float
         Step [s].
     band : float, optional
-        Half-width [rad/s]; None: what a slip can move in one step.
+        Half-width [rad/s]; None: half of what a slip can move in one step.
     integrator : str
     decomposition, solver
         As for :class:`Moreau`.
