@@ -100,7 +100,11 @@ def _dry_contact(component: Clutch | Brake, driving: str, driven: str) -> Contac
 def _check_nonlinear(components: Sequence[Component], shafts: Shafts) -> None:
     """Maps and drag read the speed of one shaft, which must not contain a given one."""
     for c in components:
-        if isinstance(c, EngineMap | Load) and np.any(shafts.given_row(c.shaft)) and getattr(c, "quadratic", 1.0):
+        if (
+            isinstance(c, EngineMap | Load)
+            and np.any(shafts.given_row(c.shaft))
+            and not (isinstance(c, Load) and c.quadratic == 0)
+        ):
             raise ArgumentError(f"{label(c)} acts on a shaft whose speed a SpeedSource gives: a free one was expected")
 
 
@@ -153,11 +157,13 @@ def _inputs(
     shafts: Shafts,
     J: Matrix,
 ) -> tuple[tuple[Signal, ...], tuple[str, ...], Gains]:
-    """Signals in the order sources, slopes of the road, throttles, normal forces, prescribed speeds; and their gains."""
+    """Signals in the order torques, slopes of the road, throttles, normal forces, given speeds; and their gains."""
     torques: list[tuple[str, str, Any]] = [
         (c.name, c.shaft, c.torque) for c in components if isinstance(c, TorqueSource)
     ]
-    torques += [(c.name, c.name, as_signal(-c.downhill_torque, c.name)) for c in components if _on_slope(c)]
+    torques += [
+        (c.name, c.name, as_signal(-c.downhill_torque, c.name)) for c in components if isinstance(c, VehicleLoad)
+    ]
     throttles = [(c.name, c.throttle) for c in components if isinstance(c, EngineMap)]
     speeds = [(c.name, c.speed) for c in components if isinstance(c, SpeedSource)]
     entries: list[tuple[str, Any]] = [(name, signal) for name, _, signal in torques]
@@ -179,10 +185,6 @@ def _inputs(
         shaft=place(shafts.P),
     )
     return tuple(signal for _, signal in entries), tuple(name for name, _ in entries), gains
-
-
-def _on_slope(component: Component) -> bool:
-    return isinstance(component, VehicleLoad) and component.downhill_torque != 0.0
 
 
 def _placed(columns: int, first: int) -> Callable[[Matrix], Matrix]:

@@ -180,8 +180,10 @@ def compare(
     """
     plant = dual_clutch(case)
     exact = plant.simulate(START, UNTIL, Exact(), sample=_SAMPLE)
-    jobs = [(name, replace(scheme, dt=dt), dt) for dt in steps for name, scheme in FIXED.items()]  # type: ignore[call-arg]
-    jobs += [(name, replace(scheme, dt=steps[0]), steps[0]) for name, scheme in LONGEST_STEP_ONLY.items()]  # type: ignore[call-arg]
+    jobs: list[tuple[str, Scheme, float | None]] = [
+        (name, _with_step(scheme, dt), dt) for dt in steps for name, scheme in FIXED.items()
+    ]
+    jobs += [(name, _with_step(scheme, steps[0]), steps[0]) for name, scheme in LONGEST_STEP_ONLY.items()]
     jobs += [(name, scheme, None) for name, scheme in VARIABLE.items()]
     found: dict[tuple[str, float | None], tuple[DrivetrainTrajectory, float]] = {}
     for done, (name, scheme, dt) in enumerate(jobs):
@@ -197,6 +199,11 @@ def compare(
         if (a, dt) in found
     )
     return Comparison(case, rows, pairs, convergence_orders(case) if orders else {})
+
+
+def _with_step(scheme: Scheme, dt: float) -> Scheme:
+    changed: Scheme = replace(scheme, dt=dt)  # type: ignore[arg-type]
+    return changed
 
 
 def _row(
@@ -230,10 +237,7 @@ def convergence_orders(case: str, steps: tuple[float, ...] = _ORDER_STEPS) -> di
     exact = plant.simulate(START, UNTIL, Exact(), sample=max(steps))
     orders = {}
     for name, scheme in FIXED.items():
-        runs = [
-            plant.simulate(START, UNTIL, replace(scheme, dt=dt), sample=max(steps))  # type: ignore[call-arg]
-            for dt in steps
-        ]
+        runs = [plant.simulate(START, UNTIL, _with_step(scheme, dt), sample=max(steps)) for dt in steps]
         errors = np.array([mean_error(run, exact) for run in runs])
         finite = np.isfinite(errors)
         orders[name] = (

@@ -3,8 +3,8 @@
 The slips after a step are ``gamma = G P + c`` with impulses (or, on acceleration level, torques) ``lo <= P <= hi``;
 gamma is zero where P is inside, not negative at the lower limit, not positive at the upper one.
 
-* Leine and Nijmeijer, 2 unknowns per contact, z = (hi - P, gamma+), w = (gamma-, P - lo):
-  ``M = [[G, I], [-I, 0]],  q = [-c - G hi, hi - lo]``  (Dynamics and Bifurcations of Non-Smooth Mechanical Systems, 2004)
+* Leine and Nijmeijer (Dynamics and Bifurcations of Non-Smooth Mechanical Systems, 2004), 2 unknowns per contact,
+  z = (hi - P, gamma+), w = (gamma-, P - lo):  ``M = [[G, I], [-I, 0]],  q = [-c - G hi, hi - lo]``
 * Pfeiffer and Glocker, 4 unknowns per contact, z = (P+, P-, gamma-, gamma+), w = (.., .., hi - P+, -lo - P-):
   ``M = [[G, -G, I, 0], [-G, G, 0, I], [-I, 0, 0, 0], [0, -I, 0, 0]],  q = [c, -c, hi, -lo]``
   (Multibody Dynamics with Unilateral Contacts, 1996)

@@ -151,7 +151,7 @@ class Drivetrain:
                 coordinates=coordinates,
                 contacts=contacts,
                 springs=springs,
-            )  # fmt: skip
+            )
         )
 
     def simulate(

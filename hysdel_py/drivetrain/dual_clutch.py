@@ -1,8 +1,8 @@
 """The Dual-clutch: two clutches with different gears between an engine and a vehicle, with two histories of inputs.
 
-Equations and numbers: Kusters, section 1.4 and appendix B, with the signs of its friction torques corrected. The histories
-are ours, since the document shows its own in a figure only: case ``a`` is hard on every method (sticking on both clutches,
-slip on both at once, break-away, a clutch without force), case ``b`` is a gentle downshift.
+Equations and numbers: Kusters, section 1.4 and appendix B, with the signs of its friction torques corrected. The
+histories are ours, since the document shows its own in a figure only: case ``a`` is hard on every method (both clutches
+stick in turn, both slip at once, break-away, a clutch without force), case ``b`` is a gentle downshift.
 """
 
 from __future__ import annotations

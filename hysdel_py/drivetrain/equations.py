@@ -4,7 +4,7 @@
     e'   = B'u + e0(t)
     gamma = W'u + gamma0(t),   -lambda in [lower, upper] R F_N mu(gamma), at an end of it while gamma != 0
 
-with the speeds u of the independent shafts, twists e of the springs, and slips gamma of the contacts. ``-lambda`` is the
+with the speeds u of independent shafts, twists e of the springs, and slips gamma of the contacts. ``-lambda`` is the
 torque that a contact transmits from its first shaft to its second. The speeds of all shafts are ``T u + P s(t)``.
 """
 
@@ -146,7 +146,8 @@ class Equations:
             self.M, Minv, self.D, self.B, self.k, self.W, self.W.T @ Minv @ self.W, laws, side, self.drag_directions,
             self.drag, self.maps.directions, self.maps.speed, self.maps.throttle, self.maps.torque,
         )  # fmt: skip
-        return Plant(*(np.ascontiguousarray(a, dtype=float) for a in arrays), np.ascontiguousarray(self.maps.sizes))
+        constant = [np.ascontiguousarray(a, dtype=float) for a in arrays]
+        return Plant(*constant, np.ascontiguousarray(self.maps.sizes))  # type: ignore[call-arg]
 
     def inputs(self, t: Matrix) -> Inputs:
         """What the signals contribute at given times, arrays of shape ``t.shape + (size,)``."""

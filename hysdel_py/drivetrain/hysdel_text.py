@@ -9,16 +9,21 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
-from itertools import product
 from math import isfinite
 
 import numpy as np
 from numpy.typing import NDArray
 
 from hysdel_py.drivetrain.equations import Equations
+from hysdel_py.drivetrain.sampled_step import (
+    Branch,
+    Sampled,
+    branches_of,
+    euler_step,
+    karnopp_branches,
+    moreau_step,
+)
 from hysdel_py.drivetrain.schemes.options import Karnopp, Moreau
-from hysdel_py.drivetrain.schemes.time_stepping import effective_inverse, weights_of
 from hysdel_py.drivetrain.signals import PiecewiseLinear
 from hysdel_py.errors import ArgumentError
 
@@ -30,29 +35,7 @@ Ranges = Mapping[str, tuple[float, float]]
 _MOST_CONTACTS = 3
 
 
-@dataclass(frozen=True, eq=False, slots=True)
-class _Sampled:
-    """One step as affine forms: rows over (speeds, twists, signals, 1).
-
-    ``slip`` is the slip (or its acceleration) without friction, ``lo`` and ``hi`` limit the impulses (or torques) P, and
-    ``speeds + A W P`` and ``twists + C P`` are the next state.
-    """
-
-    speeds: Matrix
-    twists: Matrix
-    slip: Matrix
-    lo: Matrix
-    hi: Matrix
-    G: Matrix
-    speed_gain: Matrix
-    twist_gain: Matrix
-    now: Matrix
-    per_torque: float
-
-
-def hysdel_text(
-    equations: Equations, ranges: Ranges, scheme: Moreau | Karnopp, name: str = "drivetrain"
-) -> str:
+def hysdel_text(equations: Equations, ranges: Ranges, scheme: Moreau | Karnopp, name: str = "drivetrain") -> str:
     """The text of the sampled model.
 
     Parameters
@@ -75,9 +58,9 @@ def hysdel_text(
     states = (*equations.names.coordinates, *equations.names.springs)
     inputs = [s for s in equations.signal_names if s in ranges]
     _check_ranges(equations, ranges, states)
-    step = _moreau(equations, scheme) if isinstance(scheme, Moreau) else _euler(equations, scheme)
+    step = moreau_step(equations, scheme) if isinstance(scheme, Moreau) else euler_step(equations, scheme)
     writer = _Writer(equations, inputs)
-    branches = _branches(step) if isinstance(scheme, Moreau) else _karnopp_branches(step, float(scheme.band or 0.0))
+    branches = branches_of(step) if isinstance(scheme, Moreau) else karnopp_branches(step, float(scheme.band or 0.0))
     return "\n".join(_lines(equations, writer, step, branches, ranges, name, scheme))
 
 
@@ -108,93 +91,6 @@ def _check_ranges(equations: Equations, ranges: Ranges, states: Sequence[str]) -
             raise ArgumentError(f"ranges names {known}, which is no state and no signal: it may name {every}")
         if not (isfinite(low) and isfinite(high) and low <= high):
             raise ArgumentError(f"range of {known} is [{low}, {high}]: two finite ascending numbers were expected")
-
-
-def _forms(equations: Equations) -> tuple[Matrix, Matrix, Matrix, int]:
-    """Rows of speeds, twists and signals themselves, and their number."""
-    n, m, ns = len(equations.M), len(equations.k), len(equations.signals)
-    every = np.eye(n + m + ns + 1)
-    return every[:n], every[n : n + m], every[n + m : -1], n + m + ns + 1
-
-
-def _moreau(equations: Equations, scheme: Moreau) -> _Sampled:
-    u, e, s, _ = _forms(equations)
-    plant, dt = equations.plant, float(scheme.dt)
-    A, weight = effective_inverse(plant, scheme.theta, dt), weights_of(scheme.theta)[0]
-    force = equations.gains.force @ s - plant.D @ u
-    force -= plant.B @ (plant.k[:, None] * (e + weight * dt * plant.B.T @ u))
-    speeds = u + dt * A @ force
-    pressure = np.array([law.parameters[0] for law in equations.laws])[:, None] * (equations.gains.pressure @ s)
-    gain = A @ plant.W
-    return _Sampled(
-        speeds, e + dt * plant.B.T @ ((1 - weight) * u + weight * speeds), plant.W.T @ speeds,
-        dt * plant.side[:, :1] * pressure, dt * plant.side[:, 1:] * pressure, plant.W.T @ gain, gain,
-        dt * weight * plant.B.T @ gain, plant.W.T @ u, dt,
-    )  # fmt: skip
-
-
-def _euler(equations: Equations, scheme: Karnopp) -> _Sampled:
-    u, e, s, _ = _forms(equations)
-    plant, dt = equations.plant, float(scheme.dt)
-    h = equations.gains.force @ s - plant.D @ u - plant.B @ (plant.k[:, None] * e)
-    pressure = np.array([law.parameters[0] for law in equations.laws])[:, None] * (equations.gains.pressure @ s)
-    return _Sampled(
-        u + dt * plant.Minv @ h, e + dt * plant.B.T @ u, plant.W.T @ plant.Minv @ h, plant.side[:, :1] * pressure,
-        plant.side[:, 1:] * pressure, plant.G, dt * plant.Minv @ plant.W, np.zeros((len(e), len(equations.laws))),
-        plant.W.T @ u, 1.0,
-    )  # fmt: skip
-
-
-@dataclass(frozen=True, eq=False, slots=True)
-class _Branch:
-    """A mode: its word, the forms that are not positive where it holds, and the impulses there."""
-
-    word: str
-    conditions: tuple[Matrix, ...]
-    P: Matrix
-
-
-def _branches(step: _Sampled) -> list[_Branch]:
-    """All modes, that in which everything sticks last."""
-    return [_branch(step, "".join(word)) for word in product("pns", repeat=len(step.G))]
-
-
-def _branch(step: _Sampled, word: str) -> _Branch:
-    """One mode: p slips with positive slip, n with negative, s sticks."""
-    P = np.array([{"p": lo, "n": hi}.get(letter, 0.0 * lo) for letter, lo, hi in zip(word, step.lo, step.hi, strict=True)])
-    index = [i for i, letter in enumerate(word) if letter == "s"]
-    if index:
-        slip = (step.slip + step.G @ P)[index]
-        P[index] = -np.linalg.lstsq(step.G[np.ix_(index, index)], slip, rcond=1e-12)[0]
-    slip = step.slip + step.G @ P
-    conditions = []
-    for i, letter in enumerate(word):
-        match letter:
-            case "p":
-                conditions.append(-slip[i])
-            case "n":
-                conditions.append(slip[i])
-            case _:
-                conditions += [step.lo[i] - P[i], P[i] - step.hi[i]]
-    return _Branch(word, tuple(conditions), P)
-
-
-def _karnopp_branches(step: _Sampled, band: float) -> list[_Branch]:
-    """Outside the band by the sign of the slip, inside it by the torque that keeps the slip, cut to its limits."""
-    if not len(step.G):
-        return _branches(step)
-    now, lo, hi = step.now, step.lo, step.hi
-    width = np.zeros(step.slip.shape[1])
-    width[-1] = band
-    stick = -step.slip / step.G[0, 0]
-    above, below = now[0] - width, -now[0] - width
-    return [
-        _Branch("s", (above, below, lo[0] - stick[0], stick[0] - hi[0]), stick),
-        _Branch("low", (above, below, stick[0] - lo[0]), lo),
-        _Branch("high", (above, below, hi[0] - stick[0]), hi),
-        _Branch("p", (-now[0],), lo),
-        _Branch("n", (), hi),
-    ]
 
 
 class _Writer:
@@ -244,8 +140,8 @@ def _constant(name: str, signal: object) -> float:
 def _lines(
     equations: Equations,
     writer: _Writer,
-    step: _Sampled,
-    branches: Sequence[_Branch],
+    step: Sampled,
+    branches: Sequence[Branch],
     ranges: Ranges,
     name: str,
     scheme: Moreau | Karnopp,
@@ -282,13 +178,13 @@ def _block(keyword: str, lines: list[str]) -> list[str]:
     return [f"{keyword} {{", *lines, "}"] if lines else []
 
 
-def _event_lines(writer: _Writer, branches: Sequence[_Branch]) -> Iterator[str]:
+def _event_lines(writer: _Writer, branches: Sequence[Branch]) -> Iterator[str]:
     for branch in branches[:-1]:
         for k, condition in enumerate(branch.conditions):
             yield f"ok_{branch.word}_{k} = {writer.form(condition)} <= 0;"
 
 
-def _mode_lines(branches: Sequence[_Branch]) -> Iterator[str]:
+def _mode_lines(branches: Sequence[Branch]) -> Iterator[str]:
     """The first mode whose conditions hold; the last one where none does."""
     for i, branch in enumerate(branches):
         holds = [f"ok_{branch.word}_{k}" for k in range(len(branch.conditions))] if i < len(branches) - 1 else []
@@ -296,19 +192,17 @@ def _mode_lines(branches: Sequence[_Branch]) -> Iterator[str]:
         yield f"mode_{branch.word} = {' & '.join([*holds, *others]) or 'TRUE'};"
 
 
-def _impulse_lines(writer: _Writer, branches: Sequence[_Branch], contacts: Sequence[str]) -> Iterator[str]:
+def _impulse_lines(writer: _Writer, branches: Sequence[Branch], contacts: Sequence[str]) -> Iterator[str]:
     for branch in branches:
         for i, contact in enumerate(contacts):
             yield f"P_{contact}_{branch.word} = {{IF mode_{branch.word} THEN {writer.form(branch.P[i])} ELSE 0}};"
 
 
-def _sum(contact: str, branches: Sequence[_Branch]) -> str:
+def _sum(contact: str, branches: Sequence[Branch]) -> str:
     return " + ".join(f"P_{contact}_{branch.word}" for branch in branches)
 
 
-def _update_lines(
-    writer: _Writer, step: _Sampled, branches: Sequence[_Branch], contacts: Sequence[str]
-) -> Iterator[str]:
+def _update_lines(writer: _Writer, step: Sampled, branches: Sequence[Branch], contacts: Sequence[str]) -> Iterator[str]:
     rows = [*zip(step.speeds, step.speed_gain, strict=True), *zip(step.twists, step.twist_gain, strict=True)]
     for state, (row, gains) in zip(writer.states, rows, strict=True):
         terms = [f"({float(g)!r})*({_sum(c, branches)})" for c, g in zip(contacts, gains, strict=True) if g != 0.0]

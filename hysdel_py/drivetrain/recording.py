@@ -21,8 +21,8 @@ Matrix = NDArray[np.float64]
 def law_residuals(torque: Matrix, slip: Matrix, lower: Matrix, upper: Matrix, mobility: Matrix) -> Matrix:
     """How far torque and slip are from a friction law, the greatest over the contacts, as a slip.
 
-    ``|lambda - prox(lambda - gamma / r)| r`` with the slip r that a unit of torque makes in one step: it is the slip of a
-    contact that should stick, and what the missing torque would have changed where it slides with the wrong one.
+    ``|lambda - prox(lambda - gamma / r)| r`` with the slip r that a unit of torque makes in one step: it is the slip of
+    a contact that should stick, and what the missing torque would have changed where it slides with the wrong one.
 
     Parameters
     ----------
@@ -42,7 +42,7 @@ def events_of_modes(t: Matrix, modes: NDArray[np.int64], contacts: Sequence[str]
     """One event for each change of a mode between two samples, at the time of the second."""
     rows, columns = np.nonzero(np.diff(modes, axis=0))
     return tuple(
-        Event(float(t[k + 1]), contacts[i], ContactMode(int(modes[k, i])), ContactMode(int(modes[k + 1, i])))
+        Event(float(t[k + 1]), contacts[int(i)], ContactMode(int(modes[k, i])), ContactMode(int(modes[k + 1, i])))
         for k, i in zip(rows, columns, strict=True)
     )
 

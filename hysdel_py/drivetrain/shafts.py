@@ -188,6 +188,10 @@ def _without(T: Matrix, row: Matrix, order: list[int], scale: float, component: 
             "contradicts prescribed speeds" if np.any(row) else "closes a loop of gears that is complete without it"
         )
         raise ArgumentError(f"{label(component)} {reason}: leave it out or open the loop with a spring or a clutch")
+    if np.count_nonzero(row) == 1:
+        raise ArgumentError(
+            f"{label(component)} leaves no motion to the shafts that it connects: gears hold them still"
+        )
     reduced = T - np.outer(T[:, pivot], row / row[pivot])
     reduced[:, pivot] = 0.0
     return reduced

@@ -23,7 +23,7 @@ Matrix = NDArray[np.float64]
 
 
 class ContactMode(IntEnum):
-    """What a contact does: slips with negative or positive slip, sticks, carries no force, or waits after break-away."""
+    """What a contact does: slides with negative or positive slip, sticks, is open, or waits after break-away."""
 
     NEGATIVE = -1
     STICK = 0
@@ -72,7 +72,7 @@ class DrivetrainTrajectory:
     twists : array of shape (N+1, springs)
         [rad]
     torques : array of shape (N+1, contacts)
-        Torque from the first shaft to the second [Nm]; for time-stepping schemes the mean over the step that ends there.
+        Torque from the first shaft to the second [Nm]; for time-stepping schemes the mean of the step before.
     slips : array of shape (N+1, contacts)
         Speed of the first shaft less that of the second [rad/s].
     mode_codes : int array of shape (N+1, contacts)

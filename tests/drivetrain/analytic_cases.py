@@ -70,7 +70,9 @@ def viscous_load():
 
 def brick_on_incline():
     line = hys.Drivetrain(hys.VehicleLoad("brick", mass=1, radius=1, rolling=0.3, slope=radians(10)))
-    return Case(line, {"brick": -2}, 2.0, {"brick": 0.0}, (2 / (9.81 * (0.3 * cos(radians(10)) - sin(radians(10)))),), scale=2)
+    return Case(
+        line, {"brick": -2}, 2.0, {"brick": 0.0}, (2 / (9.81 * (0.3 * cos(radians(10)) - sin(radians(10)))),), scale=2
+    )
 
 
 def three_inertias():
@@ -91,7 +93,9 @@ def simultaneous():
 
 def brake():
     torque = [(0, 6), (3, 6), (5, 22)]
-    line = hys.Drivetrain(hys.Inertia("drum", 0.5), hys.Brake("brake", "drum", 10), hys.TorqueSource("T", "drum", torque))
+    line = hys.Drivetrain(
+        hys.Inertia("drum", 0.5), hys.Brake("brake", "drum", 10), hys.TorqueSource("T", "drum", torque)
+    )
     return Case(line, {"drum": 20}, 4.0, {"drum": 2.0}, (2.5, 3.5), scale=20)
 
 
@@ -115,7 +119,9 @@ def belt():
 
 def coupled_clutches():
     """CoupledClutches of the Modelica Standard Library; SystemModeler 5.0 gives 3.2450799 and 2.4638424."""
-    smooth = Function(lambda t: 20 * max(0.0, sin(0.4 * pi * t + 1.57)), knots=np.array([(1.5 * pi - 1.57 - 0.5 * pi) / (0.4 * pi)]))
+    smooth = Function(
+        lambda t: 20 * max(0.0, sin(0.4 * pi * t + 1.57)), knots=np.array([(1.5 * pi - 1.57 - 0.5 * pi) / (0.4 * pi)])
+    )
     friction = hys.Coulomb(0.5 * 1.1, 0.5)
     line = hys.Drivetrain(
         *(hys.Inertia(f"J{i}", 1) for i in (1, 2, 3, 4)),

@@ -17,7 +17,7 @@ EXACTLY, SECOND, FIRST = 1e-9, 3e-4, 3e-3
 
 # Scheme, tolerance of the end values, tolerance of event times, kinds of cases it is not meant for.
 SCHEMES = {
-    "exact": (hys.Exact(), EXACTLY, 1e-8, {"function"}),
+    "exact": (hys.Exact(look=2e-2), EXACTLY, 1e-8, {"function"}),
     "event-driven": (hys.EventDriven(), 1e-8, 1e-8, set()),
     "event-driven, Pfeiffer-Glocker and Lemke": (
         hys.EventDriven(decomposition="pfeiffer-glocker", solver="lemke"), 1e-8, 1e-8, set(),
@@ -41,6 +41,8 @@ def test_the_answer_is_the_known_one(name, scheme):
     options, tolerance, event_tolerance, not_meant = SCHEMES[scheme]
     if case.tags & not_meant or (scheme == "exact" and not case.linear):
         pytest.skip("the scheme does not claim to solve this case")
+    if "static" in case.tags and scheme.split()[0] in ("Moreau", "augmented", "wait"):
+        tolerance, event_tolerance = FIRST, 20 * DT  # one step late at each break-away
     run = case.line.simulate(case.start, case.until, options)
     assert run.messages == ()
     for signal, value in case.ends.items():
@@ -66,10 +68,8 @@ def test_the_located_events_are_the_only_ones():
 
 
 def rough_plane(friction):
-    line = hys.Drivetrain(
-        hys.Inertia("m", 1), hys.Brake("plane", "m", friction), hys.TorqueSource("force", "m", lambda t: sin(t))
-    )
-    return line.simulate({"m": 0}, 8 * pi, hys.EventDriven())
+    line = hys.Drivetrain(hys.Inertia("m", 1), hys.Brake("plane", "m", friction), hys.TorqueSource("force", "m", sin))
+    return line.simulate({"m": 0}, 8 * pi, hys.EventDriven(rtol=1e-7, max_step=0.2, solver="active-set"))
 
 
 def test_v11_sliding_without_a_stop_ends_at_a_known_friction():

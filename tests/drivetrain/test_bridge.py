@@ -24,12 +24,12 @@ RANGES = {"engine": (0, 300), "vehicle": (0, 300), "Te": (0, 150), "clutch": (0,
     ids=["theta", "explicit", "Karnopp"],
 )
 def test_the_dha_steps_as_the_simulation(scheme):
-    torque, force = [(0, 30), (0.5, 80), (1, 10)], [(0, 0), (0.3, 90), (0.7, 20), (1, 20)]
+    torque, force = [(0, 30), (0.5, 80), (1, 10)], [(0, 0), (0.3, 150), (0.7, 20), (1, 20)]
     plant = line(torque, force)
-    run = plant.simulate({"engine": 120, "vehicle": 20}, 1.0, scheme)
+    run = plant.simulate({"engine": 60, "vehicle": 20}, 1.0, scheme)
     model = hys.load(plant.to_hysdel(RANGES, scheme))
     reads = 0.005 if isinstance(scheme, hys.Moreau) else 0.0
-    x = np.array([120.0, 20.0])
+    x = np.array([60.0, 20.0])
     modes = set()
     for k in range(100):
         t = 0.01 * k + reads

@@ -32,7 +32,9 @@ def excess(G, c, lo, hi, P):
     """The natural residual, relative to what the limits can move."""
     slip = G @ P + c
     d = np.diag(G)
-    return np.max(np.abs(P - np.clip(P - slip / d, lo, hi)) * d) / max(1e-300, np.max(np.abs(c)) + np.max(np.abs(G) @ hi))
+    return np.max(np.abs(P - np.clip(P - slip / d, lo, hi)) * d) / max(
+        1e-300, np.max(np.abs(c)) + np.max(np.abs(G) @ hi)
+    )
 
 
 @given(st.integers(0, 10**6), st.integers(1, 6), st.sampled_from(["", "doubled", "open", "rest", "small"]))
@@ -73,7 +75,7 @@ def test_a_contact_solver_is_right_from_any_answer_before(decomposition, method)
 
 
 def test_the_document_s_wrong_order_of_limits_would_be_seen():
-    """Limits 5 and 50, slips 30 and -20 before friction: the document's order of rows gives a torque above its limit."""
+    """Limits 5 and 50, slips 30 and -20 before friction: the document's order of rows exceeds a limit."""
     G, c, F = np.array([[35.7692, 51.1538], [51.1538, 74.2308]]), np.array([30.0, -20.0]), np.array([5.0, 50.0])
     P = np.zeros(2)
     solve_box(G, c, -F, F, P)

@@ -42,7 +42,7 @@ ERRORS = {
 @pytest.fixture(scope="module", params=["a", "b"])
 def exact(request):
     plant = dual_clutch(request.param)
-    return request.param, plant, plant.simulate(START, UNTIL, hys.Exact(), sample=1e-3)
+    return request.param, plant, plant.simulate(START, UNTIL, hys.Exact(look=4e-3), sample=2e-3)
 
 
 def changes(run):
@@ -95,7 +95,9 @@ def test_v18_event_table(exact):
 
 def test_v18_sign_changes_of_an_open_clutch_are_no_events(exact):
     _, _, reference = exact
-    assert not [e for e in reference.events if {e.before, e.after} == {hys.ContactMode.POSITIVE, hys.ContactMode.NEGATIVE}]
+    assert not [
+        e for e in reference.events if {e.before, e.after} == {hys.ContactMode.POSITIVE, hys.ContactMode.NEGATIVE}
+    ]
 
 
 def test_v17_energies_of_the_exact_solution(exact):
@@ -123,29 +125,28 @@ def test_end_states(exact):
 @pytest.mark.parametrize("method", ERRORS)
 def test_errors_at_a_millisecond(exact, method):
     case, plant, reference = exact
-    run = plant.simulate(START, UNTIL, FIXED[method], sample=1e-3)
+    run = plant.simulate(START, UNTIL, FIXED[method], sample=2e-3)
     assert mean_error(run, reference) == pytest.approx(ERRORS[method]["ab".index(case)], rel=0.05)
 
 
 @pytest.mark.parametrize(("method", "order"), [("LCPTS", 1.0), ("Moreau theta=1/2", 2.0)])
 def test_orders_of_convergence(exact, method, order):
     _, plant, reference = exact
-    steps = (2e-3, 1e-3, 5e-4, 2.5e-4)
+    steps = (2e-3, 1e-3, 5e-4)
     runs = [plant.simulate(START, UNTIL, replace(FIXED[method], dt=dt), sample=2e-3) for dt in steps]
-    fine = plant.simulate(START, UNTIL, hys.Exact(), sample=2e-3)
-    errors = [mean_error(run, fine) for run in runs]
+    errors = [mean_error(run, reference) for run in runs]
     assert np.polyfit(np.log(steps), np.log(errors), 1)[0] == pytest.approx(order, abs=0.1)
 
 
 def test_event_driven_is_accurate_to_its_tolerance(exact):
     _, plant, reference = exact
-    run = plant.simulate(START, UNTIL, hys.EventDriven(), sample=1e-3)
+    run = plant.simulate(START, UNTIL, hys.EventDriven(), sample=2e-3)
     assert mean_error(run, reference) < 1e-6
 
 
-def test_variable_steps_need_fewer_solves_for_less_error(exact):
-    _, plant, _ = exact
-    fine = plant.simulate(START, UNTIL, hys.Exact(), sample=5e-2)
+def test_variable_steps_need_fewer_solves_for_less_error():
+    plant = dual_clutch("b")
+    fine = plant.simulate(START, UNTIL, hys.Exact(look=5e-3), sample=5e-2)
     run = plant.simulate(START, UNTIL, hys.VariableStepMoreau(tolerance=1e-3), sample=5e-2)
     fixed = plant.simulate(START, UNTIL, hys.Moreau(dt=1e-3), sample=5e-2)
     assert run.info["solves"] < 0.6 * fixed.info["steps"]
@@ -161,7 +162,7 @@ def test_the_prox_iterations_find_the_answer_of_the_lcp(exact):
 
 
 def test_too_steep_a_regularisation_does_not_converge_and_says_so():
-    run = dual_clutch().simulate(START, 0.1, hys.AugmentedLagrangian(steepness=40, iterations=200))
+    run = dual_clutch().simulate(START, 0.1, hys.AugmentedLagrangian(steepness=60, iterations=200))
     assert run.info["failures"] > 0
     assert "did not converge" in run.messages[0]
 

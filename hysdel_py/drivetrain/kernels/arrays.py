@@ -15,8 +15,8 @@ Array = NDArray[np.float64]
 class Plant(NamedTuple):
     """Constant arrays of the equations of motion; see `drivetrain.equations` for the symbols.
 
-    ``laws`` holds static and dynamic coefficient, decay speed and exponent of each contact; ``side`` the lower and upper
-    limit of lambda as a share of the capacity.
+    ``laws`` holds static and dynamic coefficient, decay speed and exponent of each contact; ``side`` the lower and
+    upper limit of lambda as a share of the capacity.
     """
 
     M: Array
@@ -55,8 +55,8 @@ class Inputs(NamedTuple):
 class Record(NamedTuple):
     """What a run of N steps writes down, N + 1 rows; `effort` has N: iterations of each step, -1 for a failure.
 
-    ``torques`` are the values of lambda, ``lower`` and ``upper`` their limits, ``works`` the work of sources, losses and
-    friction since the start.
+    ``torques`` are the values of lambda, ``lower`` and ``upper`` their limits, ``works`` the work of sources,
+    losses and friction since the start.
     """
 
     speeds: Array
@@ -72,8 +72,9 @@ class Record(NamedTuple):
 def empty_record(steps: int, plant: Plant) -> Record:
     """A record of zeros."""
     n, m, count = len(plant.M), len(plant.k), len(plant.laws)
-    contacts = (np.zeros((steps + 1, count)) for _ in range(3))
+    torques, lower, upper = (np.zeros((steps + 1, count)) for _ in range(3))
     return Record(
-        np.zeros((steps + 1, n)), np.zeros((steps + 1, m)), *contacts, np.zeros((steps + 1, count), np.int64),
+        np.zeros((steps + 1, n)), np.zeros((steps + 1, m)), torques, lower, upper,
+        np.zeros((steps + 1, count), np.int64),
         np.zeros((steps + 1, 3)), np.zeros(steps, np.int64),
     )  # fmt: skip

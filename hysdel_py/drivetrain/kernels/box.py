@@ -2,9 +2,9 @@
 
     minimise 1/2 P'G P + c'P   subject to   lo <= P <= hi,   G positive semidefinite
 
-Its optimality conditions are the friction law: with the slip ``g = G P + c``, g = 0 where P is inside, g >= 0 where P is
-at its lower limit, g <= 0 where it is at its upper one. The objective falls with every change of the active set, so the
-method ends; a free contact that depends on other free ones keeps its value, which makes singular G harmless.
+Its optimality conditions are the friction law: with the slip ``g = G P + c``, g = 0 where P is inside, g >= 0 where it
+is at its lower limit, g <= 0 where it is at its upper one. The objective falls with every change of the active set, so
+the method ends; a free contact that depends on other free ones keeps its value, which makes singular G harmless.
 
 Source: P. B. Stark and R. L. Parker, "Bounded-variable least-squares: an algorithm and applications", Computational
 Statistics 10, 1995.
@@ -76,7 +76,6 @@ def most_violated(G, c, lo, hi, P, free):
 @compiled
 def move_free(G, c, lo, hi, P, free):
     """Move the free contacts towards zero slip; true if a limit stopped them, which one of them then keeps."""
-    n = len(c)
     index = np.flatnonzero(free)
     step = free_step(G, c, P, index)
     share = 1.0
@@ -106,8 +105,7 @@ def move_free(G, c, lo, hi, P, free):
 @compiled
 def free_step(G, c, P, index):
     """Step that brings the slips of the free contacts to zero, by Cholesky; zero for contacts that depend on others."""
-    m = len(index)
-    n = len(c)
+    m, n = len(index), len(c)
     L = np.zeros((m, m))
     y = np.zeros(m)
     for a in range(m):

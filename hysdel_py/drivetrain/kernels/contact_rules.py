@@ -1,6 +1,6 @@
 """Rules that give the torque of every contact at one state, on acceleration level.
 
-Every rule works on the free slip acceleration ``a = W'M^-1 h + gamma0'`` and on ``G = W'M^-1 W``: with the torques lambda
+Every rule works on the free slip acceleration ``a = W'M^-1 h + gamma0'`` and on ``G = W'M^-1 W``: with torques lambda
 the slips accelerate by ``a + G lambda``.
 """
 
@@ -37,7 +37,7 @@ def contact_torques(G, a, slip, slide, stick, rule, options, mode, P):
         smooth_torques(slip, slide, options[2], mode, P)
         return
     if rule != HELD:
-        modes_by_band(slip, slide, stick, options[0], mode)
+        modes_by_band(slip, stick, options[0], mode)
     for i in range(len(P)):
         P[i] = sliding_torque(mode[i], slide[0][i], slide[1][i])
     index = np.flatnonzero(mode == STICK)
@@ -60,7 +60,7 @@ def smooth_torques(slip, slide, steepness, mode, P):
 
 
 @compiled
-def modes_by_band(slip, slide, stick, band, mode):
+def modes_by_band(slip, stick, band, mode):
     """Contacts inside the band are candidates for sticking."""
     for i in range(len(mode)):
         if stick[1][i] <= stick[0][i]:

@@ -1,6 +1,6 @@
 """Controllable clutches with the states unengaged, engaged, locked and wait, updated between two steps.
 
-A clutch locks where its slip has come to zero and it can hold the torque. A locked one that cannot hold lets go into the
+A clutch locks where its slip has come to zero and it can hold the torque. A locked one that cannot hold goes into the
 wait state: it slides in the direction in which it gave way, and returns to the locked state where the acceleration
 contradicts that direction. Beyond the band it is engaged. All clutches are iterated together until none changes.
 """

@@ -1,4 +1,4 @@
-"""Time-stepping on velocity level: many steps of Moreau's scheme, of the theta scheme, and of both with prox iterations.
+"""Time-stepping on velocity level: many steps of Moreau's scheme or of the theta scheme, also with prox iterations.
 
 One step from speeds u and twists e at t to t + dt, all contact torques as impulses P:
 
@@ -6,7 +6,7 @@ One step from speeds u and twists e at t to t + dt, all contact torques as impul
     e+  = e + dt (B'(u + b du) + e0)
     gamma+ = W'(u + du) + gamma0 in the normal cone of the torques at P
 
-with A = M^-1, a = b = 1/2 (Moreau: J. J. Moreau, "Unilateral contact and dry friction in finite freedom dynamics", 1988)
+with A = M^-1, a = b = 1/2 (J. J. Moreau, "Unilateral contact and dry friction in finite freedom dynamics", 1988)
 or A = (M + theta dt D + theta^2 dt^2 B k B')^-1, a = b = theta (M. Jean, Comput. Methods Appl. Mech. Eng. 177, 1999).
 Forces that are not linear enter at the speed extrapolated to the middle of the step.
 """

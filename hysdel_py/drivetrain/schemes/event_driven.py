@@ -21,7 +21,8 @@ from hysdel_py.drivetrain.recording import trajectory_of
 from hysdel_py.drivetrain.schemes.event_loop import Log, Piece, run_events
 from hysdel_py.drivetrain.schemes.fixed_step import METHODS
 from hysdel_py.drivetrain.schemes.grid import sample_times
-from hysdel_py.drivetrain.schemes.options import INTEGRATORS, EventDriven, Exact, describe
+from hysdel_py.drivetrain.schemes.option_checks import INTEGRATORS
+from hysdel_py.drivetrain.schemes.options import EventDriven, Exact, describe
 from hysdel_py.drivetrain.schemes.segments import Segment
 from hysdel_py.drivetrain.trajectory import DrivetrainTrajectory
 

@@ -164,9 +164,7 @@ def _until_event(run: _Run, segment: Segment) -> dict[int, int] | None:
     return None
 
 
-def _indicators(
-    run: _Run, segment: Segment
-) -> tuple[list[tuple[int, int]], Callable[[float, Matrix], Matrix], Matrix]:
+def _indicators(run: _Run, segment: Segment) -> tuple[list[tuple[int, int]], Callable[[float, Matrix], Matrix], Matrix]:
     """Contact of each indicator and the mode that its crossing means (zero: slip ended); their values; their scales."""
     n, modes = len(run.plant.M), run.modes
     sliding = [(int(i), int(modes[i])) for i in np.flatnonzero((modes == POSITIVE) | (modes == NEGATIVE))]

@@ -41,7 +41,7 @@ METHODS: dict[str, tuple[list[list[float]], list[float], tuple[float, ...], list
         [0, 1, 1, 2],
     ),
 }
-"""Coefficients a and b, the nodes at which inputs are read, and the node of each stage; rk3 is Bogacki and Shampine's."""
+"""Coefficients a and b, nodes at which inputs are read, and the node of each stage; rk3 is Bogacki and Shampine's."""
 
 _TAU_IN_STEPS = 2.0
 

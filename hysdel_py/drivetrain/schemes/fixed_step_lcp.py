@@ -79,7 +79,7 @@ def _stage(
     sliding_limits(plant, inputs.pressure, slip, *slide)
     sticking_limits(plant, inputs.pressure, *stick)
     mode = np.zeros(count, dtype=np.int64)
-    modes_by_band(slip, slide, stick, band, mode)
+    modes_by_band(slip, stick, band, mode)
     torque = np.array([sliding_torque(mode[i], slide[0][i], slide[1][i]) for i in range(count)])
     index = np.flatnonzero(mode == STICK)
     if len(index):

@@ -55,7 +55,7 @@ def grid(equations: Equations, until: float, dt: float, sample: float | None) ->
 
 
 def inputs_at(equations: Equations, steps: Grid, nodes: tuple[float, ...]) -> Inputs:
-    """Inputs at the nodes (shares of a step) of every step and of one more behind the last, shape (N+1, nodes, size)."""
+    """Inputs at the nodes (shares of a step) of all steps and of one more behind them, shape (N+1, nodes, size)."""
     shares = np.array([node if node < 1.0 else 1.0 - _SHORT_OF for node in nodes])
     return equations.inputs(steps.t[:, None] + steps.dt * shares)
 

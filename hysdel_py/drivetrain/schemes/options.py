@@ -7,39 +7,20 @@ equal ones.
 from __future__ import annotations
 
 from dataclasses import dataclass, fields
-from math import isfinite
-from typing import Any
 
-from hysdel_py.errors import ArgumentError
+from hysdel_py.drivetrain.schemes.option_checks import (
+    DECOMPOSITIONS,
+    INTEGRATORS,
+    LCP_SOLVERS,
+    check_options,
+    check_theta,
+)
+from hysdel_py.drivetrain.schemes.rule_options import FixedStepLcp, Karnopp, Smoothing, SwitchModel, WaitState
 
 __all__ = [
-    "DECOMPOSITIONS", "INTEGRATORS", "LCP_SOLVERS", "AugmentedLagrangian", "EventDriven", "Exact", "FixedStepLcp",
-    "Karnopp", "Moreau", "Scheme", "Smoothing", "SwitchModel", "VariableStepMoreau", "WaitState",
+    "AugmentedLagrangian", "EventDriven", "Exact", "FixedStepLcp", "Karnopp", "Moreau", "Scheme", "Smoothing",
+    "SwitchModel", "VariableStepMoreau", "WaitState", "describe",
 ]  # fmt: skip
-
-INTEGRATORS = ("euler", "rk3", "rk4")
-DECOMPOSITIONS = ("leine-nijmeijer", "pfeiffer-glocker", "boxed")
-LCP_SOLVERS = ("auto", "enumerative", "lemke", "pgs", "newton")
-
-
-def _check(scheme: Any, **rules: tuple[Any, ...] | float) -> None:
-    """Check options: a tuple lists what is allowed, a number is what they have to exceed, None passes."""
-    for name, rule in rules.items():
-        value = getattr(scheme, name)
-        if value is None:
-            continue
-        if isinstance(rule, tuple):
-            good, words = value in rule, "one of " + ", ".join(map(str, rule))
-        else:
-            good = isinstance(value, int | float) and isfinite(value) and value > rule
-            words = f"a number above {rule:g}"
-        if not good:
-            raise ArgumentError(f"{type(scheme).__name__}: {name} is {value!r}, {words} was expected")
-
-
-def _check_theta(scheme: Any) -> None:
-    if scheme.theta is not None and not 0.5 <= scheme.theta <= 1.0:
-        raise ArgumentError(f"{type(scheme).__name__}: theta is {scheme.theta}, a number in [0.5, 1] was expected")
 
 
 @dataclass(frozen=True, slots=True)
@@ -56,7 +37,8 @@ class Moreau:
     inputs : str
         When signals are read: in the ``"middle"`` of a step or, as the document's code does, at its ``"start"``.
     solver : str
-        ``"active-set"`` is the compiled solver of the friction law as it stands; the others are those of `optimize.lcp` on an explicit LCP.
+        ``"active-set"`` is the compiled solver of the friction law as it stands; the others are those of `optimize.lcp`
+        on an explicit LCP.
     decomposition : str
         Of the friction law, for an explicit LCP: ``"leine-nijmeijer"`` has 2 unknowns per contact,
         ``"pfeiffer-glocker"`` has 4, ``"boxed"`` 1 with two bounds.
@@ -69,10 +51,10 @@ class Moreau:
     decomposition: str = "leine-nijmeijer"
 
     def __post_init__(self) -> None:
-        _check(
+        check_options(
             self, dt=0.0, inputs=("middle", "start"), solver=("active-set", *LCP_SOLVERS), decomposition=DECOMPOSITIONS
         )  # fmt: skip
-        _check_theta(self)
+        check_theta(self)
 
 
 @dataclass(frozen=True, slots=True)
@@ -104,8 +86,8 @@ class AugmentedLagrangian:
     inputs: str = "middle"
 
     def __post_init__(self) -> None:
-        _check(self, dt=0.0, steepness=0.0, tolerance=0.0, iterations=0, inputs=("middle", "start"))
-        _check_theta(self)
+        check_options(self, dt=0.0, steepness=0.0, tolerance=0.0, iterations=0, inputs=("middle", "start"))
+        check_theta(self)
 
 
 @dataclass(frozen=True, slots=True)
@@ -132,130 +114,7 @@ class VariableStepMoreau:
     extrapolate: bool = True
 
     def __post_init__(self) -> None:
-        _check(self, tolerance=0.0, dt=0.0, min_step=0.0, max_step=0.0)
-
-
-@dataclass(frozen=True, slots=True)
-class Smoothing:
-    """The sign of the slip replaced by ``2/pi atan(steepness * slip)``: an ordinary, stiff differential equation.
-
-    Parameters
-    ----------
-    steepness : float
-        [s/rad]
-    dt : float, optional
-        Fixed step; None: variable steps by the implicit Radau method.
-    integrator : str
-        With fixed steps: ``"euler"``, ``"rk3"`` or ``"rk4"``.
-    rtol, atol : float
-        Of variable steps.
-    """
-
-    steepness: float = 1e3
-    dt: float | None = None
-    integrator: str = "rk4"
-    rtol: float = 1e-7
-    atol: float = 1e-9
-
-    def __post_init__(self) -> None:
-        _check(self, steepness=0.0, dt=0.0, integrator=INTEGRATORS, rtol=0.0, atol=0.0)
-
-
-@dataclass(frozen=True, slots=True)
-class Karnopp:
-    """Contacts inside a band around zero slip get the torque that keeps their slip, cut to what they can hold.
-
-    Parameters
-    ----------
-    dt : float
-        Step [s].
-    band : float, optional
-        Half-width [rad/s]; None: half of what a slip can move in one step.
-    integrator : str
-    """
-
-    dt: float = 1e-3
-    band: float | None = None
-    integrator: str = "rk3"
-
-    def __post_init__(self) -> None:
-        _check(self, dt=0.0, band=0.0, integrator=INTEGRATORS)
-
-
-@dataclass(frozen=True, slots=True)
-class SwitchModel:
-    """The Switch Model: in the band the vector fields on both sides decide between transition and attractive sliding.
-
-    Parameters
-    ----------
-    dt : float
-        Step [s].
-    band : float, optional
-        Half-width [rad/s]; None: what a slip can move in one step.
-    tau : float, optional
-        Time constant [s] with which a sticking contact is driven to zero slip; None: two steps; infinite: not driven.
-    integrator : str
-    """
-
-    dt: float = 1e-3
-    band: float | None = None
-    tau: float | None = None
-    integrator: str = "rk3"
-
-    def __post_init__(self) -> None:
-        _check(self, dt=0.0, band=0.0, integrator=INTEGRATORS)
-        if self.tau is not None and not self.tau > 0:
-            raise ArgumentError(f"SwitchModel: tau is {self.tau!r}, a number above zero was expected")
-
-
-@dataclass(frozen=True, slots=True)
-class FixedStepLcp:
-    """The document's event-driven method in fixed steps: in a band around zero slip an LCP chooses modes and torques.
-
-    No event is located and nothing drives the slip to zero.
-
-    Parameters
-    ----------
-    dt : float
-        Step [s].
-    band : float, optional
-        Half-width [rad/s]; None: half of what a slip can move in one step.
-    integrator : str
-    decomposition, solver
-        As for :class:`Moreau`.
-    """
-
-    dt: float = 1e-3
-    band: float | None = None
-    integrator: str = "euler"
-    decomposition: str = "leine-nijmeijer"
-    solver: str = "auto"
-
-    def __post_init__(self) -> None:
-        _check(
-            self, dt=0.0, band=0.0, integrator=INTEGRATORS, decomposition=DECOMPOSITIONS, solver=("active-set", *LCP_SOLVERS)
-        )  # fmt: skip
-
-
-@dataclass(frozen=True, slots=True)
-class WaitState:
-    """Controllable clutches: unengaged, engaged, locked, and the wait state with mode iteration after each step.
-
-    Parameters
-    ----------
-    dt : float
-        Step [s].
-    band : float
-        Slip [rad/s] below which a clutch locks and above which a waiting one is engaged.
-    integrator : str
-    """
-
-    dt: float = 1e-3
-    band: float = 1e-3
-    integrator: str = "rk3"
-
-    def __post_init__(self) -> None:
-        _check(self, dt=0.0, band=0.0, integrator=INTEGRATORS)
+        check_options(self, tolerance=0.0, dt=0.0, min_step=0.0, max_step=0.0)
 
 
 @dataclass(frozen=True, slots=True)
@@ -286,7 +145,7 @@ class EventDriven:
     solver: str = "auto"
 
     def __post_init__(self) -> None:
-        _check(
+        check_options(
             self, integrator=("dop853", "rk45", "radau", *INTEGRATORS), rtol=0.0, atol=0.0, max_step=0.0, dt=0.0,
             decomposition=DECOMPOSITIONS, solver=("active-set", *LCP_SOLVERS),
         )  # fmt: skip
@@ -305,7 +164,7 @@ class Exact:
     look: float = 2e-3
 
     def __post_init__(self) -> None:
-        _check(self, look=0.0)
+        check_options(self, look=0.0)
 
 
 Scheme = (

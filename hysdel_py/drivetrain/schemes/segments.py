@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
@@ -66,7 +67,7 @@ def segments(equations: Equations, until: float) -> list[Segment]:
     """The intervals between the kinks of all inputs, and the times at which a pressure begins or ceases."""
     kinks = {*knots_between(equations.signals, 0.0, until), *_pressure_zeros(equations, until)}
     times = [0.0, *sorted(kinks), until]
-    return [_segment(equations, a, b) for a, b in zip(times, times[1:], strict=False) if b > a]
+    return [_segment(equations, a, b) for a, b in pairwise(times) if b > a]
 
 
 def _pressure_zeros(equations: Equations, until: float) -> list[float]:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -55,7 +57,7 @@ class _Answer:
 
     __slots__ = ("final", "message", "nfev", "success", "t", "y")
 
-    def __init__(self, found, wanted: Matrix | None) -> None:  # noqa: ANN001
+    def __init__(self, found: Any, wanted: Matrix | None) -> None:
         self.success, self.message, self.nfev = found.success, found.message, found.nfev
         self.final = found.y[:, -1]
         self.t, self.y = found.t, found.y

@@ -1,7 +1,7 @@
 """Time-stepping with error control by step doubling, over the theta scheme with theta = 1/2.
 
-A step is done once with dt and twice with dt/2. Where all three agree on the modes, the solution is smooth there, the
-error is of third order in dt, and extrapolation to (4 fine - coarse)/3 raises the order; elsewhere an event lies inside,
+A step is done once with dt and twice with dt/2. Where all three agree on the modes, the solution is smooth, the error
+is of third order in dt, and extrapolation to (4 fine - coarse)/3 raises the order; elsewhere an event lies inside,
 whose error of first order drives the step down.
 """
 
