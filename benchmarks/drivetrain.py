@@ -1,6 +1,6 @@
-"""Errors of every simulation method on drivetrains whose motion is known in closed form; the table of docs/drivetrain.md.
+"""Errors of every simulation method on drivetrains with known motion; the table of docs/drivetrain.md.
 
-The error is the greatest over the signals that are known at the end, relative to the size of the speeds; behind it stands
+The error is the greatest over the known signals at the end, relative to the size of the speeds; behind it stands
 the greatest error of an event time [s]. A dash is a case that a method does not claim to solve.
 
     python benchmarks/drivetrain.py [--dt 1e-3]

@@ -124,6 +124,10 @@ class Equations:
     gains: Gains
     names: Names
 
+    def __post_init__(self) -> None:
+        for name in ("M", "D", "B", "k", "W", "drag_directions", "drag", "T", "side"):
+            getattr(self, name).setflags(write=False)
+
     @property
     def G(self) -> Matrix:
         """``W' M^-1 W``: slip acceleration per contact torque."""
@@ -146,8 +150,10 @@ class Equations:
             self.M, Minv, self.D, self.B, self.k, self.W, self.W.T @ Minv @ self.W, laws, side, self.drag_directions,
             self.drag, self.maps.directions, self.maps.speed, self.maps.throttle, self.maps.torque,
         )  # fmt: skip
-        constant = [np.ascontiguousarray(a, dtype=float) for a in arrays]
-        return Plant(*constant, np.ascontiguousarray(self.maps.sizes))  # type: ignore[call-arg]
+        constant = [
+            np.array(a, dtype=float, order="C") for a in arrays
+        ]  # copies: kernels are compiled for writable ones
+        return Plant(*constant, np.array(self.maps.sizes))  # type: ignore[call-arg]
 
     def inputs(self, t: Matrix) -> Inputs:
         """What the signals contribute at given times, arrays of shape ``t.shape + (size,)``."""

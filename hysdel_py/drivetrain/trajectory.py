@@ -109,6 +109,23 @@ class DrivetrainTrajectory:
     messages: tuple[str, ...] = ()
     info: Mapping[str, Any] = field(default_factory=dict)
 
+    def __post_init__(self) -> None:
+        for name in (
+            "t",
+            "speeds",
+            "twists",
+            "torques",
+            "slips",
+            "mode_codes",
+            "residuals",
+            "works",
+            "energy",
+            "inputs",
+        ):
+            array = getattr(self, name).view()
+            array.setflags(write=False)
+            object.__setattr__(self, name, array)
+
     @property
     def modes(self) -> tuple[str, ...]:
         """One word per sample with a sign for each contact; see :attr:`ContactMode.letter`."""

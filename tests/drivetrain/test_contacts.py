@@ -7,7 +7,9 @@ from hypothesis import strategies as st
 
 from hysdel_py.drivetrain.decomposition import ContactSolver, friction_lcp, torques_from
 from hysdel_py.drivetrain.kernels.box import solve_box
+from hysdel_py.drivetrain.kernels.forces import coefficient
 from hysdel_py.drivetrain.kernels.prox import SEIDEL, solve_prox
+from hysdel_py.drivetrain.laws import Coulomb, Stribeck
 from hysdel_py.optimize.lcp.solve import solve_boxed_lcp, solve_lcp
 
 
@@ -62,6 +64,15 @@ def test_all_solvers_and_decompositions_agree(seed, n):
     Q = np.zeros(n)
     assert solve_prox(G, c, lo, hi, Q, (SEIDEL, 1.0, 1e-14, 10.0**6), 1.0) > 0
     np.testing.assert_allclose(G @ Q, G @ P, atol=1e-6 * np.max(np.abs(G) @ hi))
+
+
+@pytest.mark.parametrize(
+    "law", [Coulomb(0.8, 0.4), Coulomb(0.3), Stribeck(0.8, 0.4, 0.5, 2.0), Stribeck(1.0, 0.5, 2.0)]
+)
+def test_kernels_know_the_laws(law):
+    for speed in (-3.0, 1e-9, 0.2, 7.0):
+        assert coefficient(np.array(law.parameters), speed) == pytest.approx(law.sliding(speed), rel=1e-14)
+    assert law.sliding(0.0) == law.static
 
 
 @pytest.mark.parametrize("decomposition", ["leine-nijmeijer", "pfeiffer-glocker", "boxed"])

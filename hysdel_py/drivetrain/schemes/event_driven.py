@@ -82,6 +82,7 @@ class _OdeFlow:
     plant: Plant
     scheme: EventDriven
     evaluations: int = 0
+    problem: str = ""
 
     def pieces(self, segment: Segment, modes: Modes, t: float, z: Matrix) -> Iterator[Piece]:
         """Steps from t to the end of the segment, with dense output."""
@@ -99,9 +100,9 @@ class _OdeFlow:
             rates, t, z, segment.end, max_step=self.scheme.max_step, rtol=self.scheme.rtol, atol=atol
         )
         while solver.status == "running":
-            problem = solver.step()
+            self.problem = solver.step() or ""
             if solver.status == "failed":
-                raise ArithmeticError(problem)
+                return
             yield Piece(solver.t_old, solver.t, solver.dense_output(), _LOOKS)
 
     def torques(self, segment: Segment, modes: Modes, t: float, z: Matrix) -> tuple[Matrix, Matrix, Matrix]:

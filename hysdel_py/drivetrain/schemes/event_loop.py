@@ -49,7 +49,9 @@ class Piece:
 
 
 class Flow(Protocol):
-    """Integrates one mode."""
+    """Integrates one mode; `problem` says why the pieces end early, if they do."""
+
+    problem: str
 
     def pieces(self, segment: Segment, modes: Modes, t: float, z: Matrix) -> Iterator[Piece]:
         """Pieces from t to the end of the segment."""
@@ -161,6 +163,8 @@ def _until_event(run: _Run, segment: Segment) -> dict[int, int] | None:
             armed |= values > ARMED * scales
             before = now
         _move(run, segment, piece, piece.end)
+    if run.t < segment.end:
+        run.log.message = f"the integration stopped at t = {run.t:.9g} s: {run.flow.problem}"
     return None
 
 

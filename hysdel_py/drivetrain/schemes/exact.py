@@ -73,6 +73,7 @@ class _ExactFlow:
     plant: Plant
     equations: Equations
     look: float
+    problem: str = ""
     _known: dict[tuple[int, bytes], _Linear] = field(default_factory=dict)
 
     def pieces(self, segment: Segment, modes: Modes, t: float, z: Matrix) -> Iterator[Piece]:

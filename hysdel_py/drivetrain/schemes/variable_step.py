@@ -50,6 +50,7 @@ class _Run:
     steps: int = 0
     solves: int = 0
     rejected: int = 0
+    failures: int = 0
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -176,6 +177,7 @@ def _accept(state: _Run, attempt: _Attempt, end: float) -> None:
     state.t, state.u, state.e, state.modes = end, attempt.u, attempt.e, attempt.modes
     state.works = state.works + attempt.fine.works[-1]
     state.steps += 1
+    state.failures += int(np.sum(attempt.fine.effort < 0))
 
 
 def _trajectory(equations: Equations, state: _Run) -> DrivetrainTrajectory:
@@ -191,6 +193,7 @@ def _trajectory(equations: Equations, state: _Run) -> DrivetrainTrajectory:
         "steps": state.steps,
         "rejected": state.rejected,
         "solves": state.solves,
-        "failures": 0,
+        "failures": state.failures,
     }
-    return trajectory_of(equations, t, record, info=info)
+    messages = (f"the contact problem did not converge in {state.failures} half steps",) if state.failures else ()
+    return trajectory_of(equations, t, record, info=info, messages=messages)
