@@ -45,6 +45,7 @@ def chains(draw):
 @example(([1.0, 2.0, 1.0], [5.0, 5.0], [0.0, 0.0, 0.0], [1.0, 0.0, -1.0], None))
 @example(([0.1] * 5, [0.0] * 4, [10.0] * 5, [0.0] * 5, None))
 @example(([1.0] * 4, [2.0] * 3, [0.0] * 4, [0.0] * 4, None))
+@example(([0.1, 0.1], [0.0], [-8.0, 0.0], [-3.0, 7.0], 0))
 @settings(max_examples=8, deadline=None)
 def test_schemes_agree(parameters):
     inertias, forces, torques, speeds, spring = parameters

@@ -34,6 +34,9 @@ INSIDE = 1e-9
 ARMED = 1e-12
 """An indicator above this share of its scale has been positive."""
 
+HALVINGS = 30
+"""Places between two looks at which a slip that begins and ends there is searched for."""
+
 MOST_EVENTS_AT_ONCE = 200
 AT_ONCE = 1e-10
 
@@ -204,13 +207,23 @@ def _earliest(
     """Time of the first root in an interval, and the indicators that are zero there."""
     roots = {}
     for i in crossed:
-        roots[int(i)] = before
-        if armed[i] and indicators(before, piece.state(before))[i] > 0:
-            roots[int(i)] = brentq(
-                lambda t, i=i: indicators(t, piece.state(t))[i], before, now, xtol=1e-15, rtol=8.9e-16
-            )  # fmt: skip
+
+        def value(t: float, i: int = i) -> float:
+            return float(indicators(t, piece.state(t))[i])
+
+        left = before if armed[i] and value(before) > 0 else _rise(value, before, now)
+        roots[int(i)] = before if left is None else brentq(value, left, now, xtol=1e-15, rtol=8.9e-16)
     when = min(roots.values())
     return when, [i for i, root in roots.items() if root - when <= AT_ONCE * 1e-3]
+
+
+def _rise(value: Callable[[float], float], before: float, now: float) -> float | None:
+    """A time at which an indicator that begins at zero and ends below it is positive, found towards the beginning.
+
+    A slip may grow after an event and end before the next look.
+    """
+    times = (before + (now - before) * 0.5**k for k in range(1, HALVINGS))
+    return next((t for t in times if value(t) > 0), None)
 
 
 def _move(run: _Run, segment: Segment, piece: Piece, when: float) -> None:
