@@ -184,9 +184,7 @@ def _without(T: Matrix, row: Matrix, order: list[int], scale: float, component: 
     row = np.where(np.abs(row) > _ZERO * scale, row, 0.0)
     pivot = next((j for j in order if row[j] != 0.0), None)
     if pivot is None:
-        reason = (
-            "contradicts prescribed speeds" if np.any(row) else "closes a loop of gears that is complete without it"
-        )
+        reason = "contradicts prescribed speeds" if np.any(row) else "repeats what other gears say already"
         raise ArgumentError(f"{label(component)} {reason}: leave it out or open the loop with a spring or a clutch")
     if np.count_nonzero(row) == 1:
         raise ArgumentError(

@@ -13,6 +13,7 @@ def few_methods(monkeypatch):
     """Three methods instead of all, so that the test is fast."""
     names = ("SWITCH", "LCPTS", "AUGLAGR p=1 tol=1e-4")
     monkeypatch.setattr(comparison, "FIXED", {name: comparison.FIXED[name] for name in names})
+    monkeypatch.setattr(comparison, "_SAMPLE", 5e-3)
     monkeypatch.setattr(comparison, "VARIABLE", {})
     monkeypatch.setattr(comparison, "LONGEST_STEP_ONLY", {})
     pairs = [pair for pair in comparison.PAIRS if set(pair[:2]) <= set(names)]

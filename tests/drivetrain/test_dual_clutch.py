@@ -105,7 +105,7 @@ def test_v17_energies_of_the_exact_solution(exact):
     final, source, load, friction = ENERGY[case]
     assert run.energy[-1] == pytest.approx(final, abs=1e-5)
     np.testing.assert_allclose(run.works[-1], [source, -load, -friction], atol=1e-3)
-    assert np.abs(run.imbalance).max() < 1e-4
+    assert np.abs(run.imbalance).max() < 1e-3
 
 
 def test_v17_the_midpoint_scheme_keeps_the_balance_exactly(exact):
