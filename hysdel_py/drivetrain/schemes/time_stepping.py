@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 from hysdel_py.drivetrain.equations import Equations
 from hysdel_py.drivetrain.kernels.arrays import Inputs, Plant, Record, empty_record
 from hysdel_py.drivetrain.kernels.prox import JACOBI, SEIDEL
-from hysdel_py.drivetrain.kernels.time_stepping import STICK, run
+from hysdel_py.drivetrain.kernels.time_stepping import OPEN, STICK, run
 from hysdel_py.drivetrain.recording import trajectory_of
 from hysdel_py.drivetrain.schemes.explicit_lcp import run_with_lcp
 from hysdel_py.drivetrain.schemes.grid import Grid, grid
@@ -36,7 +36,7 @@ def integrate(
     inputs = step_inputs(equations, steps, scheme.inputs)
     record = empty_record(len(steps.t) - 1, plant)
     mode = first_modes(plant, inputs, u)
-    record.modes[0] = mode
+    record.modes[0] = np.where(inputs.pressure[0] > 0, mode, OPEN)
     A, weights = effective_inverse(plant, scheme.theta, steps.dt), weights_of(scheme.theta)
     if isinstance(scheme, Moreau) and scheme.solver != "active-set":
         run_with_lcp(plant, inputs, A, weights, steps.dt, scheme, u, e, mode, record)
