@@ -34,6 +34,7 @@ COMMANDS = (
     "explain_infeasible",
     "solve",
     "demo",
+    "drivetrain",
     "fmt",
     "stubs",
     "lsp",
@@ -43,6 +44,7 @@ COMMANDS = (
 _DESCRIPTION = "Compile, simulate and control hybrid systems that are written in .hys files."
 _EPILOG = """\
 examples:
+  hysdel drivetrain compare                 simulation methods for dry friction, errors and times
   hysdel demo clutch                        engage a dry clutch by hybrid predictive control; writes a picture
   hysdel check model.hys                    find mistakes
   hysdel explain HYS302                     what a diagnostic means

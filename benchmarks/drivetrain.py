@@ -1,0 +1,64 @@
+"""Errors of every simulation method on drivetrains with known motion; the table of docs/drivetrain.md.
+
+The error is the greatest over the known signals at the end, relative to the size of the speeds; behind it stands
+the greatest error of an event time [s]. A dash is a case that a method does not claim to solve.
+
+    python benchmarks/drivetrain.py [--dt 1e-3]
+"""
+
+from __future__ import annotations
+
+import argparse
+import sys
+from pathlib import Path
+
+import numpy as np
+
+import hysdel_py as hys
+
+sys.path.insert(0, str(Path(__file__).parents[1] / "tests" / "drivetrain"))
+from analytic_cases import CASES, Case
+
+
+def schemes(dt: float) -> dict[str, tuple[object, set[str]]]:
+    """Method with its options, and the kinds of cases that it is not meant for."""
+    return {
+        "exact": (hys.Exact(look=2e-2), set()),
+        "event-driven": (hys.EventDriven(max_step=0.1), set()),
+        "theta=1/2": (hys.Moreau(dt=dt), set()),
+        "Moreau": (hys.Moreau(dt=dt, theta=None), set()),
+        "aug. Lagr.": (hys.AugmentedLagrangian(dt=dt), set()),
+        "wait state": (hys.WaitState(dt=dt), set()),
+        "variable": (hys.VariableStepMoreau(max_step=5e-3), set()),
+        "Switch": (hys.SwitchModel(dt=dt), {"static"}),
+        "Karnopp": (hys.Karnopp(dt=dt), {"static"}),
+        "fixed LCP": (hys.FixedStepLcp(dt=dt, solver="active-set"), {"static"}),
+        "smooth 1e4": (hys.Smoothing(steepness=1e4), {"static"}),
+    }
+
+
+def entry(case: Case, scheme: object, not_meant: set[str]) -> str:
+    """Error of the end and of the event times."""
+    if case.tags & not_meant or (isinstance(scheme, hys.Exact) and not case.linear):
+        return "-"
+    run = case.line.simulate(case.start, case.until, scheme)
+    error = max(abs(run[signal][-1] - value) for signal, value in case.ends.items()) / case.scale
+    times = np.array([event.time for event in run.events])
+    if not case.events or not len(times):
+        return f"{error:.0e}"
+    late = max(float(np.min(np.abs(times - t))) for t in case.events)
+    return f"{error:.0e}, {late:.0e}"
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--dt", type=float, default=1e-3)
+    methods = schemes(parser.parse_args().dt)
+    print(f"| case | {' | '.join(methods)} |")
+    print("|---" * (len(methods) + 1) + "|")
+    for name, make in CASES.items():
+        print(f"| {name} | {' | '.join(entry(make(), *method) for method in methods.values())} |", flush=True)
+
+
+if __name__ == "__main__":
+    main()
