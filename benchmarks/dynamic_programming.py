@@ -5,6 +5,7 @@ from __future__ import annotations
 import argparse
 from concurrent.futures import ProcessPoolExecutor
 from math import pi, sin
+from resource import RUSAGE_CHILDREN, getrusage
 from time import perf_counter, process_time
 
 import numpy as np
@@ -127,33 +128,35 @@ def upright(x, u, _x1):
 
 
 def processes():
-    print("\n| plant | processes | s | times as fast | same table |\n|---|---|---|---|---|")
+    print("\n| plant | processes | s | CPU s here | CPU s of workers | same table |\n|---|---|---|---|---|---|")
     axes = (Axis("angle", -4, 4, 41), Axis("speed", -4, 4, 41)), Axis("torque", -1, 1, 9)
     problems = {
         "clutch, all rows at once": engagement_problem(2.0),
         "pendulum, row by row": DynamicProgram(pendulum, *axes, 10, upright),
     }
     for name, problem in problems.items():
-        begin = perf_counter()
+        begin, clock = perf_counter(), process_time()
         alone = problem.backward()
-        reference = perf_counter() - begin
-        print(f"| {name} | none | {reference:.2f} | | |", flush=True)
+        print(f"| {name} | none | {perf_counter() - begin:.2f} | {process_time() - clock:.2f} | | |", flush=True)
         for workers in (1, 2):
-            seconds, table = timed_with(problem, workers)
+            table, seconds = timed_with(problem, workers)
             same = all(
                 a.tobytes() == b.tobytes()
                 for one, other in ((alone.values, table.values), (alone.policy, table.policy))
                 for a, b in zip(one, other, strict=True)
             )
-            print(f"| | {workers} | {seconds:.2f} | {reference / seconds:.2f} | {same} |", flush=True)
+            print(f"| | {workers} | {' | '.join(f'{value:.2f}' for value in seconds)} | {same} |", flush=True)
 
 
 def timed_with(problem, workers):
+    """A table; seconds on the clock, of this process, and of the workers, which free cores would share."""
+    children = getrusage(RUSAGE_CHILDREN).ru_utime
     with ProcessPoolExecutor(workers) as pool:
         list(pool.map(abs, range(workers)))
-        begin = perf_counter()
+        begin, clock = perf_counter(), process_time()
         table = problem.backward(executor=pool)
-        return perf_counter() - begin, table
+        here = perf_counter() - begin, process_time() - clock
+    return table, (*here, getrusage(RUSAGE_CHILDREN).ru_utime - children)
 
 
 if __name__ == "__main__":
