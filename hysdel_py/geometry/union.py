@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -15,6 +15,9 @@ from hysdel_py.geometry.relations import includes
 
 __all__ = ["PolyhedralUnion", "difference"]
 
+_SAME_VOLUME = 1e-9
+"""Relative difference of volumes of two sets that are the same."""
+
 
 def difference(polyhedron: Polyhedron, others: Iterable[Polyhedron]) -> tuple[Polyhedron, ...]:
     """Polyhedra with disjoint interiors whose union is a polyhedron without the interiors of others.
@@ -23,11 +26,24 @@ def difference(polyhedron: Polyhedron, others: Iterable[Polyhedron]) -> tuple[Po
     and beyond the second, and so on (M. Baotic, "Polytopic computations in constrained optimal control", Automatika 50,
     2009). Parts without inner points are dropped.
     """
-    parts = [] if polyhedron.dimension < polyhedron.n else [polyhedron]
-    for other in others:
-        if other.dimension == other.n:
-            parts = [piece for part in parts for piece in _outside(part, other)]
-    return tuple(parts)
+    return tuple(_remaining(polyhedron, [other for other in others if _overlap(polyhedron, other)]))
+
+
+def _remaining(polyhedron: Polyhedron, others: Sequence[Polyhedron]) -> Iterator[Polyhedron]:
+    """Pieces of a difference, one after the other, so that asking for the first is cheap."""
+    open_pieces = [(polyhedron, 0)] if _has_inner_points(polyhedron) else []
+    while open_pieces:
+        part, level = open_pieces.pop()
+        if level == len(others):
+            yield part
+        else:
+            open_pieces += [(piece, level + 1) for piece in _outside(part, others[level])][::-1]
+
+
+def _overlap(first: Polyhedron, second: Polyhedron) -> bool:
+    """Whether the boxes around two polyhedra have inner points in common."""
+    (low, high), (other_low, other_high) = first.bounding_box, second.bounding_box
+    return bool(np.all(np.minimum(high, other_high) - np.maximum(low, other_low) > first.precision.empty))
 
 
 def _outside(part: Polyhedron, other: Polyhedron) -> Iterator[Polyhedron]:
@@ -39,7 +55,7 @@ def _outside(part: Polyhedron, other: Polyhedron) -> Iterator[Polyhedron]:
     for a, b in zip(cut.A, cut.b, strict=True):
         beyond = rest.with_rows(-a, -b)
         if _has_inner_points(beyond):
-            yield beyond.minimal()
+            yield beyond
             rest = rest.with_rows(a, b)
 
 
@@ -115,7 +131,8 @@ class PolyhedralUnion:
         """
         if polyhedron.dimension < polyhedron.n:
             return any(includes(part, polyhedron) for part in self.parts)
-        return not difference(polyhedron, self.parts)
+        meeting = [part for part in self.parts if _overlap(polyhedron, part)]
+        return next(_remaining(polyhedron, meeting), None) is None
 
     @cached_property
     def is_connected(self) -> bool:
@@ -168,9 +185,26 @@ class PolyhedralUnion:
 def _joinable(parts: list[Polyhedron]) -> tuple[int, int, Polyhedron] | None:
     for i, first in enumerate(parts):
         for j in range(i + 1, len(parts)):
-            if (first & parts[j]).dimension < first.n - 1:
-                continue
-            pair = PolyhedralUnion((first, parts[j]))
-            if pair.is_convex:
-                return i, j, pair.envelope
+            joined = _joined(first, parts[j]) if _touch(first, parts[j]) else None
+            if joined is not None:
+                return i, j, joined
     return None
+
+
+def _touch(first: Polyhedron, second: Polyhedron) -> bool:
+    """Whether the boxes around two polyhedra meet."""
+    (low, high), (other_low, other_high) = first.bounding_box, second.bounding_box
+    return bool(np.all(np.minimum(high, other_high) - np.maximum(low, other_low) >= -first.precision.empty))
+
+
+def _joined(first: Polyhedron, second: Polyhedron) -> Polyhedron | None:
+    """The union of two polyhedra if it is convex; for bounded ones with inner points the volumes tell."""
+    pair = PolyhedralUnion((first, second))
+    if not (pair.is_bounded and pair.is_full_dimensional):
+        return pair.envelope if (first & second).dimension >= first.n - 1 and pair.is_convex else None
+    apart = first.volume + second.volume
+    missing = pair.envelope.volume - apart
+    if missing > _SAME_VOLUME * apart:
+        return None
+    overlap = (first & second).volume if missing < -_SAME_VOLUME * apart else 0.0
+    return pair.envelope if missing + overlap <= _SAME_VOLUME * apart else None

@@ -1,0 +1,311 @@
+"""Sets of states that a piecewise affine system can be in after each step, and from which it can get into a set.
+
+Forward: the successors of a piece under the branches that its states belong to, under all inputs. Backward: the states
+that have an input which leads into a piece. Exact sets are images and shadows of polyhedra; with a template of directions
+each successor is enclosed by the greatest values along them, one linear program each (C. Le Guernic and A. Girard,
+"Reachability analysis of linear systems using support functions", Nonlinear Analysis: Hybrid Systems 4, 2010).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import dataclass, replace
+from functools import partial
+from typing import TYPE_CHECKING, Any, Literal
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from hysdel_py.analysis.hybrid_set import HybridSet, Piece, Span, box_of, hybrid_set
+from hysdel_py.analysis.pwa_branches import Branch, branches_of
+from hysdel_py.analysis.templates import template_of
+from hysdel_py.errors import ArgumentError
+from hysdel_py.geometry.polyhedron import Polyhedron
+from hysdel_py.geometry.union import PolyhedralUnion
+from hysdel_py.systems.pwa import Pwa
+
+if TYPE_CHECKING:
+    from concurrent.futures import Executor
+
+    from hysdel_py.systems.signals import Variable
+
+__all__ = ["Reach", "reach", "reach_backward"]
+
+Matrix = NDArray[np.float64]
+Sets = Literal["exact", "boxes", "octagons"] | ArrayLike
+Progress = Callable[[int, int], Any]
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class Reach:
+    """States at each step.
+
+    Attributes
+    ----------
+    sets : tuple of HybridSet
+        ``sets[k]`` holds the states after k steps, or those k steps before the target; ``sets[0]`` is what was given.
+    is_exact : bool
+        Whether the sets are the states themselves; else they hold them and more.
+    settled_at : int or None
+        From this step on nothing new is reached: the union of the sets up to here is that of all times.
+    is_complete : bool
+        False if the computation was interrupted; then `sets` ends early.
+    """
+
+    sets: tuple[HybridSet, ...]
+    is_exact: bool
+    settled_at: int | None
+    is_complete: bool
+
+    @property
+    def union(self) -> HybridSet:
+        """States of all steps."""
+        return HybridSet(self.sets[0].x, tuple(piece for states in self.sets for piece in states.pieces))
+
+    def first_meeting(self, target: Mapping[str, Span] | Polyhedron | HybridSet) -> int | None:
+        """First step at which a set has a state in common with the target; None if none has.
+
+        With sets that hold more than the states, a meeting proves nothing, and None proves that there is none.
+        """
+        wanted = hybrid_set(target, self.sets[0].x, "target")
+        return next((k for k, states in enumerate(self.sets) if states.meets(wanted)), None)
+
+    def modes_to(self, step: int, piece: int) -> tuple[int | None, ...]:
+        """Modes of the steps behind a piece, in the order of time; None where pieces were joined."""
+        modes: list[int | None] = []
+        number: int | None = piece
+        for k in range(step, 0, -1):
+            here = self.sets[k].pieces[number] if number is not None else None
+            modes.append(here.mode if here else None)
+            number = here.parent if here else None
+        return tuple(reversed(modes))
+
+
+def reach(
+    pwa: Pwa,
+    x0: Mapping[str, Span] | Polyhedron | HybridSet,
+    steps: int,
+    *,
+    inputs: Mapping[str, Span] | None = None,
+    sets: Sets = "exact",
+    merge: bool = True,
+    most: int = 500,
+    executor: Executor | None = None,
+    progress: Progress | None = None,
+) -> Reach:
+    """States after each step, from any state of a set and under any inputs.
+
+    Parameters
+    ----------
+    pwa : Pwa
+    x0 : mapping of name to value or (low, high), Polyhedron over the states, or HybridSet
+        States that a mapping does not name may have any value of their range.
+    steps : int
+    inputs : mapping of name to value or (low, high), optional
+        Inputs that are not named may have any value of their range.
+    sets : {"exact", "boxes", "octagons"} or array_like of shape (d, n)
+        Exact polyhedra, or enclosures along directions of the n real states.
+    merge : bool
+        Drop pieces that others cover, and join pieces whose union is convex.
+    most : int
+        When a step has more pieces for one value of the Boolean states, they are replaced by one enclosure, and the
+        result says that it is not exact.
+    executor : concurrent.futures.Executor, optional
+        Takes the pieces of a step; the result does not depend on it.
+    progress : callable, optional
+        ``progress(k, pieces)`` after each step.
+
+    Returns
+    -------
+    Reach
+        An interrupt by the keyboard ends the computation early with the sets so far.
+
+    Raises
+    ------
+    ArgumentError
+        For unknown names, intervals upside down, or numbers of steps that make no sense.
+
+    Notes
+    -----
+    A state that has no successor, because a requirement or a range fails for every input or because it lies in the gap
+    of a threshold, has none in the sets.
+    """
+    return _run(_Forward, pwa, x0, steps, inputs, sets, merge, most, executor, progress)
+
+
+def reach_backward(
+    pwa: Pwa,
+    target: Mapping[str, Span] | Polyhedron | HybridSet,
+    steps: int,
+    *,
+    inputs: Mapping[str, Span] | None = None,
+    sets: Sets = "exact",
+    merge: bool = True,
+    most: int = 500,
+    executor: Executor | None = None,
+    progress: Progress | None = None,
+) -> Reach:
+    """States from which some inputs lead into a set in exactly k steps.
+
+    Parameters and errors are those of :func:`reach`. Enclosures hold more states than can get there.
+    """
+    return _run(_Backward, pwa, target, steps, inputs, sets, merge, most, executor, progress)
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class _Forward:
+    """Successors of a piece."""
+
+    branches: tuple[Branch, ...]
+    template: Matrix | None
+
+    def __call__(self, numbered: tuple[int, Piece]) -> list[Piece]:
+        number, piece = numbered
+        found = []
+        for branch in self.branches:
+            if branch.word == piece.word:
+                region = self._image(branch, piece.region)
+                if not region.is_empty:
+                    found.append(Piece(branch.next_word, region, branch.mode, number))
+        return found
+
+    def _image(self, branch: Branch, states: Polyhedron) -> Polyhedron:
+        domain = _with_states(branch.region, states)
+        M = np.hstack([branch.A, branch.B])
+        if self.template is None:
+            return domain.image(M, branch.f)
+        return enclosure(domain, self.template @ M, self.template, self.template @ branch.f)
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class _Backward:
+    """Predecessors of a piece."""
+
+    branches: tuple[Branch, ...]
+    template: Matrix | None
+
+    def __call__(self, numbered: tuple[int, Piece]) -> list[Piece]:
+        number, piece = numbered
+        found = []
+        for branch in self.branches:
+            if branch.next_word == piece.word:
+                region = self._shadow(branch, piece.region)
+                if not region.is_empty:
+                    found.append(Piece(branch.word, region, branch.mode, number))
+        return found
+
+    def _shadow(self, branch: Branch, target: Polyhedron) -> Polyhedron:
+        n = len(branch.f)
+        domain = branch.region & target.preimage(np.hstack([branch.A, branch.B]), branch.f)
+        if self.template is None:
+            return domain.project(range(n))
+        along = np.hstack([self.template, np.zeros((len(self.template), domain.n - n))])
+        return enclosure(domain, along, self.template, np.zeros(len(self.template)))
+
+
+def _with_states(region: Polyhedron, states: Polyhedron) -> Polyhedron:
+    """Points of a region over (v, s) whose states lie in a polyhedron."""
+    return region.with_rows(np.hstack([states.A, np.zeros((states.m, region.n - states.n))]), states.b)
+
+
+def enclosure(domain: Polyhedron, along: Matrix, directions: Matrix, offset: NDArray[np.float64]) -> Polyhedron:
+    """``{v : directions v <= h}`` with h the greatest values of ``along w + offset`` over a domain."""
+    if domain.is_empty:
+        return Polyhedron.empty(directions.shape[1], domain.precision)
+    sides = np.array([_greatest(domain, row) for row in along]) + offset
+    real = np.isfinite(sides)
+    return Polyhedron(directions[real], sides[real], domain.precision)
+
+
+def _greatest(domain: Polyhedron, row: NDArray[np.float64]) -> float:
+    """Greatest value of a linear function, widened by the precision of the linear program."""
+    value = domain.maximise(row).value
+    return float(value + domain.precision.lp * max(1.0, abs(value))) if np.isfinite(value) else np.inf
+
+
+def _run(
+    kind: type[_Forward | _Backward],
+    pwa: Pwa,
+    given: Mapping[str, Span] | Polyhedron | HybridSet,
+    steps: int,
+    inputs: Mapping[str, Span] | None,
+    sets: Sets,
+    merge: bool,
+    most: int,
+    executor: Executor | None,
+    progress: Progress | None,
+) -> Reach:
+    if steps < 0 or most < 1:
+        raise ArgumentError(f"steps must be at least 0 and most at least 1; found {steps} and {most}")
+    n = sum(not v.is_bool for v in pwa.x)
+    template = template_of(sets, n)
+    branches = _with_inputs(branches_of(pwa), inputs or {}, pwa.u)
+    apply = partial(map if executor is None else executor.map, kind(branches, template))
+    first = hybrid_set(given, pwa.x, "x0" if kind is _Forward else "target")
+    return _steps(apply, first, steps, merge, most, template_of("boxes", n), progress, exact=template is None)
+
+
+def _with_inputs(branches: Sequence[Branch], given: Mapping[str, Span], u: Sequence[Variable]) -> tuple[Branch, ...]:
+    """Branches that the inputs allow, with the ranges of the real ones as rows."""
+    low, high = box_of(given, u, "inputs")
+    booleans = [i for i, v in enumerate(u) if v.is_bool]
+    reals = [i for i, v in enumerate(u) if not v.is_bool]
+    allowed = [b for b in branches if all(low[i] <= b.inputs[k] <= high[i] for k, i in enumerate(booleans))]
+    box = Polyhedron.box(low[reals], high[reals])
+    return tuple(
+        replace(b, region=b.region.with_rows(np.hstack([np.zeros((box.m, len(b.f))), box.A]), box.b)) for b in allowed
+    )
+
+
+def _steps(
+    apply: Callable[[Iterable[tuple[int, Piece]]], Iterable[list[Piece]]],
+    first: HybridSet,
+    steps: int,
+    merge: bool,
+    most: int,
+    box: Matrix | None,
+    progress: Progress | None,
+    *,
+    exact: bool,
+) -> Reach:
+    found, known, settled = [first], first, None
+    try:
+        for k in range(1, steps + 1):
+            pieces = [piece for some in apply(list(enumerate(found[-1].pieces))) for piece in some]
+            states, is_exact = _tidied(HybridSet(first.x, tuple(pieces)), merge, most, box)
+            exact = exact and is_exact
+            if settled is None and known.covers(states):
+                settled = k - 1
+            found.append(states)
+            known = known | states
+            if progress is not None:
+                progress(k, len(states.pieces))
+    except KeyboardInterrupt:
+        return Reach(tuple(found), exact, settled, is_complete=False)
+    return Reach(tuple(found), exact, settled, is_complete=True)
+
+
+def _tidied(states: HybridSet, merge: bool, most: int, box: Matrix | None) -> tuple[HybridSet, bool]:
+    """Fewer pieces for the same states; second, whether they are the same."""
+    pieces: list[Piece] = []
+    exact = True
+    for word, numbers in states.by_word().items():
+        group = [states.pieces[i] for i in numbers]
+        if merge:
+            group = _joined(word, group)
+        if len(group) > most and box is not None:
+            group, exact = [Piece(word, _box_around(group, box))], False
+        pieces += group
+    return HybridSet(states.x, tuple(pieces)), exact
+
+
+def _joined(word: tuple[bool, ...], group: list[Piece]) -> list[Piece]:
+    """Pieces without those that others cover; neighbours with a convex union joined."""
+    union = PolyhedralUnion(tuple(piece.region for piece in group)).merged()
+    ours = {id(piece.region): piece for piece in group}
+    return [ours.get(id(part), Piece(word, part)) for part in union.parts if not part.is_empty]
+
+
+def _box_around(group: Sequence[Piece], box: Matrix) -> Polyhedron:
+    sides = [[_greatest(piece.region, row) for row in box] for piece in group]
+    return Polyhedron(box, np.max(sides, axis=0))
