@@ -1,16 +1,16 @@
 """Sets of states that a piecewise affine system can be in after each step, and from which it can get into a set.
 
 Forward: the successors of a piece under the branches that its states belong to, under all inputs. Backward: the states
-that have an input which leads into a piece. Exact sets are images and shadows of polyhedra; with a template of directions
-each successor is enclosed by the greatest values along them, one linear program each (C. Le Guernic and A. Girard,
-"Reachability analysis of linear systems using support functions", Nonlinear Analysis: Hybrid Systems 4, 2010).
+that have an input which leads into a piece. Exact sets are images and shadows of polyhedra; with a template of
+directions each successor is enclosed by the greatest values along them, one linear program each (C. Le Guernic and
+A. Girard, "Reachability analysis of linear systems using support functions", Nonlinear Analysis: Hybrid Systems 4,
+2010).
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
-from functools import partial
 from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
@@ -18,7 +18,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from hysdel_py.analysis.hybrid_set import HybridSet, Piece, Span, box_of, hybrid_set
 from hysdel_py.analysis.pwa_branches import Branch, branches_of
-from hysdel_py.analysis.templates import template_of
+from hysdel_py.analysis.templates import boxes, template_of
 from hysdel_py.errors import ArgumentError
 from hysdel_py.geometry.polyhedron import Polyhedron
 from hysdel_py.geometry.union import PolyhedralUnion
@@ -130,7 +130,7 @@ def reach(
     A state that has no successor, because a requirement or a range fails for every input or because it lies in the gap
     of a threshold, has none in the sets.
     """
-    return _run(_Forward, pwa, x0, steps, inputs, sets, merge, most, executor, progress)
+    return _run(_Forward, pwa, x0, inputs, _Course(steps, sets, merge, most, executor, progress))
 
 
 def reach_backward(
@@ -149,7 +149,7 @@ def reach_backward(
 
     Parameters and errors are those of :func:`reach`. Enclosures hold more states than can get there.
     """
-    return _run(_Backward, pwa, target, steps, inputs, sets, merge, most, executor, progress)
+    return _run(_Backward, pwa, target, inputs, _Course(steps, sets, merge, most, executor, progress))
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -223,26 +223,39 @@ def _greatest(domain: Polyhedron, row: NDArray[np.float64]) -> float:
     return float(value + domain.precision.lp * max(1.0, abs(value))) if np.isfinite(value) else np.inf
 
 
+@dataclass(frozen=True, eq=False, slots=True)
+class _Course:
+    """How a computation is to go on."""
+
+    steps: int
+    sets: Sets
+    merge: bool
+    most: int
+    executor: Executor | None
+    progress: Progress | None
+
+    def __post_init__(self) -> None:
+        if self.steps < 0 or self.most < 1:
+            raise ArgumentError(f"steps must be at least 0 and most at least 1; found {self.steps} and {self.most}")
+
+    def each(self, function: _Forward | _Backward, pieces: Sequence[Piece]) -> list[Piece]:
+        """Results of all pieces, in their order."""
+        numbered = list(enumerate(pieces))
+        some = map(function, numbered) if self.executor is None else self.executor.map(function, numbered)
+        return [piece for found in some for piece in found]
+
+
 def _run(
     kind: type[_Forward | _Backward],
     pwa: Pwa,
     given: Mapping[str, Span] | Polyhedron | HybridSet,
-    steps: int,
     inputs: Mapping[str, Span] | None,
-    sets: Sets,
-    merge: bool,
-    most: int,
-    executor: Executor | None,
-    progress: Progress | None,
+    course: _Course,
 ) -> Reach:
-    if steps < 0 or most < 1:
-        raise ArgumentError(f"steps must be at least 0 and most at least 1; found {steps} and {most}")
-    n = sum(not v.is_bool for v in pwa.x)
-    template = template_of(sets, n)
-    branches = _with_inputs(branches_of(pwa), inputs or {}, pwa.u)
-    apply = partial(map if executor is None else executor.map, kind(branches, template))
+    template = template_of(course.sets, sum(not v.is_bool for v in pwa.x))
+    step = kind(_with_inputs(branches_of(pwa), inputs or {}, pwa.u), template)
     first = hybrid_set(given, pwa.x, "x0" if kind is _Forward else "target")
-    return _steps(apply, first, steps, merge, most, template_of("boxes", n), progress, exact=template is None)
+    return _steps(step, first, course, exact=template is None)
 
 
 def _with_inputs(branches: Sequence[Branch], given: Mapping[str, Span], u: Sequence[Variable]) -> tuple[Branch, ...]:
@@ -257,44 +270,34 @@ def _with_inputs(branches: Sequence[Branch], given: Mapping[str, Span], u: Seque
     )
 
 
-def _steps(
-    apply: Callable[[Iterable[tuple[int, Piece]]], Iterable[list[Piece]]],
-    first: HybridSet,
-    steps: int,
-    merge: bool,
-    most: int,
-    box: Matrix | None,
-    progress: Progress | None,
-    *,
-    exact: bool,
-) -> Reach:
-    found, known, settled = [first], first, None
+def _steps(step: _Forward | _Backward, first: HybridSet, course: _Course, *, exact: bool) -> Reach:
+    found, known, settled, complete = [first], first, None, False
     try:
-        for k in range(1, steps + 1):
-            pieces = [piece for some in apply(list(enumerate(found[-1].pieces))) for piece in some]
-            states, is_exact = _tidied(HybridSet(first.x, tuple(pieces)), merge, most, box)
+        for k in range(1, course.steps + 1):
+            states, is_exact = _tidied(HybridSet(first.x, tuple(course.each(step, found[-1].pieces))), course)
             exact = exact and is_exact
             if settled is None and known.covers(states):
                 settled = k - 1
             found.append(states)
             known = known | states
-            if progress is not None:
-                progress(k, len(states.pieces))
+            if course.progress is not None:
+                course.progress(k, len(states.pieces))
+        complete = True
     except KeyboardInterrupt:
-        return Reach(tuple(found), exact, settled, is_complete=False)
-    return Reach(tuple(found), exact, settled, is_complete=True)
+        pass  # what was found so far is the answer
+    return Reach(tuple(found), exact, settled, complete)
 
 
-def _tidied(states: HybridSet, merge: bool, most: int, box: Matrix | None) -> tuple[HybridSet, bool]:
+def _tidied(states: HybridSet, course: _Course) -> tuple[HybridSet, bool]:
     """Fewer pieces for the same states; second, whether they are the same."""
     pieces: list[Piece] = []
     exact = True
     for word, numbers in states.by_word().items():
         group = [states.pieces[i] for i in numbers]
-        if merge:
+        if course.merge:
             group = _joined(word, group)
-        if len(group) > most and box is not None:
-            group, exact = [Piece(word, _box_around(group, box))], False
+        if len(group) > course.most:
+            group, exact = [Piece(word, _box_around(group))], False
         pieces += group
     return HybridSet(states.x, tuple(pieces)), exact
 
@@ -306,6 +309,7 @@ def _joined(word: tuple[bool, ...], group: list[Piece]) -> list[Piece]:
     return [ours.get(id(part), Piece(word, part)) for part in union.parts if not part.is_empty]
 
 
-def _box_around(group: Sequence[Piece], box: Matrix) -> Polyhedron:
+def _box_around(group: Sequence[Piece]) -> Polyhedron:
+    box = boxes(group[0].region.n)
     sides = [[_greatest(piece.region, row) for row in box] for piece in group]
     return Polyhedron(box, np.max(sides, axis=0))

@@ -9,7 +9,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from hysdel_py.errors import ArgumentError
 
-__all__ = ["template_of"]
+__all__ = ["boxes", "template_of"]
 
 
 def template_of(sets: str | ArrayLike, n: int) -> NDArray[np.float64] | None:
@@ -32,18 +32,19 @@ def template_of(sets: str | ArrayLike, n: int) -> NDArray[np.float64] | None:
     return directions
 
 
-def _boxes(n: int) -> NDArray[np.float64]:
+def boxes(n: int) -> NDArray[np.float64]:
+    """Both directions of every coordinate."""
     return np.vstack([np.eye(n), -np.eye(n)])
 
 
 def _octagons(n: int) -> NDArray[np.float64]:
     eye = np.eye(n)
     pairs = [a * eye[i] + b * eye[j] for i, j in combinations(range(n), 2) for a in (1, -1) for b in (1, -1)]
-    return np.vstack([_boxes(n), *pairs])
+    return np.vstack([boxes(n), *pairs])
 
 
 def _exact(n: int) -> None:  # noqa: ARG001
     return None
 
 
-_NAMED = {"exact": _exact, "boxes": _boxes, "octagons": _octagons}
+_NAMED = {"exact": _exact, "boxes": boxes, "octagons": _octagons}

@@ -67,7 +67,7 @@ def test_exact_sets_hold_nothing_that_is_not_reached(relay):
 
 
 def test_relay_settles_and_never_leaves_its_band(relay):
-    found = reach(relay, {"T": (18, 22), "on": 0}, 60)
+    found = reach(relay, {"T": (18, 22), "on": 0}, 14)
     assert found.settled_at is not None
     low, high = found.union.ranges()["T"]
     assert low == pytest.approx(0.9 * (0.9 * 18 - 1) - 1, abs=1e-5)  # the switch acts one step late
@@ -80,7 +80,7 @@ def test_backward_and_forward_agree(relay):
     rng = np.random.default_rng(2)
     target = {"T": (21, 21.5), "on": 1}
     back = reach_backward(relay, target, 3)
-    for _ in range(25):
+    for _ in range(12):
         x = {"T": rng.uniform(12, 24), "on": float(rng.integers(2))}
         forth = reach(relay, x, 3)
         meets = forth.sets[3].meets(hybrid_set(target, relay.x, "target")) is not None
