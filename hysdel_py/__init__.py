@@ -25,6 +25,7 @@ if TYPE_CHECKING:
     from hysdel_py.control.observer import KalmanObserver
     from hysdel_py.errors import ArgumentError, CompileError, HysdelError, SimulationError
     from hysdel_py.export.json_file import read_json
+    from hysdel_py.export.plant_c import to_c
     from hysdel_py.geometry.polyhedron import Polyhedron
     from hysdel_py.geometry.relations import minkowski_sum, pontryagin_difference
     from hysdel_py.geometry.union import PolyhedralUnion
@@ -47,7 +48,7 @@ __all__ = [
     "MoveStatus", "MovingHorizonEstimator", "MpQp", "MpQpSettings", "NodeLog", "ParametricSolution",
     "PolyhedralUnion", "Polyhedron", "Pwa", "SimulationError", "Trajectory", "Verification", "WellPosedness",
     "__version__", "audit", "closed_loop", "diff", "explain_infeasible", "load", "minkowski_sum",
-    "pontryagin_difference", "read_case", "read_json", "shipped_models", "simulate", "solve_mpqp", "to_dha",
+    "pontryagin_difference", "read_case", "read_json", "shipped_models", "simulate", "solve_mpqp", "to_c", "to_dha",
     "to_mld", "to_pwa", "to_symbolic_mld", "verify", "well_posed", "with_disturbances",
 ]  # fmt: skip
 
@@ -94,6 +95,7 @@ _HOME = {
     "shipped_models": "shipped",
     "simulate": "systems.simulation",
     "solve_mpqp": "optimize.mpqp",
+    "to_c": "export.plant_c",
     "to_dha": "model",
     "to_mld": "model",
     "to_pwa": "model",

@@ -43,6 +43,7 @@ MAY_IMPORT: dict[str, set[str]] = {
         "lowering",
         "compiler",
         "geometry",
+        "control",
     },
     "plotting": {"errors", "systems"},
     "shipped": {"syntax"},
@@ -55,7 +56,7 @@ LEAVES = {"plotting", "cli", "lsp"}  # these import what they like, and nobody i
 # What may be imported inside a function on top of that.
 LAZILY = {
     "systems": {"plotting"},
-    "control": {"plotting"},
+    "control": {"plotting", "export"},
     "model": {"shipped"},
     "demos": {"plotting"},
     "analysis": {"lowering"},

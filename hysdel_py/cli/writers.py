@@ -10,6 +10,7 @@ from hysdel_py.errors import ArgumentError
 from hysdel_py.export.compiled import Compiled
 from hysdel_py.export.matlab import MatlabOptions, matlab_text
 from hysdel_py.export.matrices import write_json, write_mat, write_npz
+from hysdel_py.export.plant_c import write_plant
 from hysdel_py.export.simulator_python import module_text
 from hysdel_py.lowering.constants import Constants
 from hysdel_py.model import Model, to_dha, to_mld
@@ -48,11 +49,16 @@ def _matlab(model: Model, mld: Mld, options: argparse.Namespace) -> None:
     Path(options.output).write_text(matlab_text(compiled, MatlabOptions()), encoding="utf-8")
 
 
+def _c(model: Model, mld: Mld, options: argparse.Namespace) -> None:  # noqa: ARG001 -- the Dha is written
+    write_plant(to_dha(model, constants=options.constants), options.output, model.typed)
+
+
 FORMATS: dict[str, Writer] = {
     ".json": lambda _, mld, options: write_json(mld, options.output),
     ".npz": lambda _, mld, options: write_npz(mld, options.output),
     ".mat": lambda _, mld, options: write_mat(mld, options.output),
     ".m": _matlab,
     ".py": _python,
+    ".c": _c,
 }
 """Writer for each end of a file name."""

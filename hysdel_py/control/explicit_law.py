@@ -6,7 +6,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass, fields, replace
 from functools import cached_property
 from os import PathLike
-from typing import TYPE_CHECKING
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -15,8 +16,11 @@ from hysdel_py.errors import ArgumentError
 from hysdel_py.geometry.polyhedron import Polyhedron
 
 if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
     from hysdel_py.control.explicit_certificate import LawCertificate
     from hysdel_py.control.explicit_tree import LawTree
+    from hysdel_py.export.law_c import LawCode
     from hysdel_py.optimize.mpqp import ParametricSolution
     from hysdel_py.optimize.parametric.problem import MpQp
 
@@ -230,6 +234,43 @@ class ExplicitLaw:
 
         return load_law(path)
 
+    def to_json(self, path: str | PathLike[str]) -> None:
+        """Write the law as JSON."""
+        from hysdel_py.export.law_json import write_law_json
+
+        write_law_json(self, path)
+
+    @classmethod
+    def from_json(cls, path: str | PathLike[str]) -> ExplicitLaw:
+        """Read a law from a JSON file; it equals the one that was written."""
+        from hysdel_py.export.law_json import read_law_json
+
+        return read_law_json(path)
+
+    def to_c(self, path: str | PathLike[str], **options: Any) -> LawCode:
+        """Write the law as C99, a source and a header beside it; options as for :func:`law_to_c`."""
+        from hysdel_py.export.law_c import law_to_c
+
+        return law_to_c(self, path, **options)
+
+    def to_python(self, path: str | PathLike[str], *, method: str = "tree") -> Path:
+        """Write the law as a Python module with ``law(zeta)`` that needs nothing but Python."""
+        from hysdel_py.export.law_python import law_to_python
+
+        return law_to_python(self, path, method=method)
+
+    def to_latex(self, path: str | PathLike[str] | None = None, **options: Any) -> str:
+        """The law as a LaTeX table; options as for :func:`law_to_latex`."""
+        from hysdel_py.export.law_latex import law_to_latex
+
+        return law_to_latex(self, path, **options)
+
+    def plot(self, what: str = "partition", **options: Any) -> Figure:
+        """Draw the law over one or two parameters; options as for :func:`plot_law`."""
+        from hysdel_py.plotting.law import plot_law
+
+        return plot_law(self, what, **options)
+
     def describe(self) -> str:
         """The law as text: sizes, then rows and moves of each region."""
         from hysdel_py.control.explicit_text import describe_law
@@ -238,15 +279,8 @@ class ExplicitLaw:
 
     def without_value(self) -> ExplicitLaw:
         """The same law with its moves only."""
-        p = self.p
-        return replace(
-            self,
-            K=self.K[:, : self.moves].copy(),
-            k=self.k[:, : self.moves].copy(),
-            P=np.zeros((0, p, p)),
-            q=np.zeros((0, p)),
-            r=np.zeros(0),
-        )
+        p, K, k = self.p, self.K[:, : self.moves].copy(), self.k[:, : self.moves].copy()
+        return replace(self, K=K, k=k, P=np.zeros((0, p, p)), q=np.zeros((0, p)), r=np.zeros(0))
 
     def _holds(self, region: int, point: Vector) -> bool:
         A, b = self.rows(region)

@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-__all__ = ["plot_graph", "plot_section"]
+__all__ = ["clip", "plot_graph", "plot_section"]
 
 _LINE = 34
 """Characters in a line of a label."""
@@ -174,11 +174,11 @@ def _polygon(mode: Mode, axes: tuple[Variable, Variable], values: Mapping[str, f
     (left, right), (low, high) = ((v.low, v.high) for v in axes)
     corners = np.array([[left, low], [right, low], [right, high], [left, high]])
     for row, side in zip(mode.region.A, mode.region.b, strict=True):
-        corners = _cut(corners, row[columns], float(side - row @ rest))
+        corners = clip(corners, row[columns], float(side - row @ rest))
     return corners
 
 
-def _cut(corners: Matrix, a: Matrix, b: float) -> Matrix:
+def clip(corners: Matrix, a: Matrix, b: float) -> Matrix:
     """The part of a polygon with ``a v <= b`` (Sutherland and Hodgman, 1974)."""
     kept: list[Matrix] = []
     excess = corners @ a - b
