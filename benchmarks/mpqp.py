@@ -1,12 +1,14 @@
 """Multi-parametric quadratic programs: regions, times and solved problems, beside PPOPT on the same machine.
 
-    python benchmarks/mpqp.py [NAME ...] [--largest 700] [--ppopt] [--check 0] [--repeat 3]
+    python benchmarks/mpqp.py [NAME ...] [--largest N] [--repeat 3] [--peers-limit SECONDS] [--check N] [--sweep N]
 
 Without names all problems of tests/data/mpqp with at most --largest regions run. Times are CPU seconds of one process,
-the least of --repeat runs after a first one that compiles the kernels where numba is installed. --count counts the
-nearest-point problems (LDP) per region, with plain kernels in a process of its own. --ppopt runs the combinatorial
-graph and the geometric algorithm of PPOPT (pip install ppopt) and prints what each finds. --check N compares law
-and value with the problem solved online at N parameters.
+the least of --repeat runs after a first one that compiles the kernels where numba is installed and is reported apart.
+--count counts the nearest-point problems (LDP) per region, with plain kernels in a process of its own.
+--peers-limit runs PPOPT (pip install ppopt) on each problem in a process of its own, with the algorithm that is its
+best there, after a small problem that warms it up, and cuts it off after so many CPU seconds (Unix only).
+--check N compares law and value with the problem solved online at N parameters, half of them on facets.
+--sweep N solves N random degenerate problems of each kind instead, and looks for holes, overlaps and differences.
 """
 
 from __future__ import annotations
@@ -20,6 +22,7 @@ import subprocess
 import sys
 import time
 from collections.abc import Callable
+from dataclasses import astuple, fields
 from pathlib import Path
 from typing import Any
 
@@ -30,9 +33,14 @@ from hysdel_py.geometry.polyhedron import Polyhedron
 from hysdel_py.optimize.compiled import kernels_are_compiled
 from hysdel_py.optimize.mpqp import MpQp, ParametricSolution, solve_mpqp
 
+CUT = 77
+"""Exit code of a process that has reached its limit."""
 DATA = Path(__file__).parents[1] / "tests" / "data" / "mpqp"
 EXPECTED = json.loads((DATA / "expected.json").read_text(encoding="utf-8"))
-ALGORITHMS = ("combinatorial_graph", "geometric")
+BEST = {"a_di_N10": "geometric", "a_di_N2": "geometric", "a_di_N3": "geometric", "a_di_N5": "geometric",
+        "b_ms2_N5": "graph", "b_ms2_N6": "graph", "e_rnd1_z4t2": "geometric", "e_rnd6_z5t5": "combinatorial",
+        "g_ahmadi_ex2": "combinatorial"}  # fmt: skip
+"""The algorithm of PPOPT that finds most regions, and of several the fastest; elsewhere its combinatorial graph."""
 
 
 def problem(name: str) -> tuple[MpQp, int]:
@@ -55,9 +63,9 @@ def counted(name: str) -> float:
     """Nearest-point problems per region, counted in a process of its own with plain kernels."""
     code = (
         "import sys; sys.path.insert(0, 'benchmarks'); import mpqp, hysdel_py.optimize.parametric.facets as f\n"
-        "count, plain = [0], f.nearest\n"
+        "count, plain = [0], f.nearest_in\n"
         "def nearest(*a):\n    count[0] += 1\n    return plain(*a)\n"
-        "f.nearest = nearest\n"
+        "f.nearest_in = nearest\n"
         f"regions = len(mpqp.solve_mpqp(mpqp.problem({name!r})[0]).regions)\n"
         "print(count[0] / regions)"
     )
@@ -66,27 +74,44 @@ def counted(name: str) -> float:
     return float(answer.stdout)
 
 
-def with_ppopt(mpqp: MpQp, algorithm: str) -> tuple[int, float] | None:
-    """Regions and CPU seconds of PPOPT; None where it is not installed or fails."""
-    try:
-        from ppopt.mp_solvers.solve_mpqp import mpqp_algorithm
-        from ppopt.mp_solvers.solve_mpqp import solve_mpqp as solve
-        from ppopt.mpqp_program import MPQP_Program
-    except ImportError:
+def beside_ppopt(name: str, limit: float) -> tuple[int, float] | None:
+    """Regions and CPU seconds of PPOPT in a process of its own; None after the limit."""
+    command = [sys.executable, __file__, "--peer", name, "--peers-limit", str(limit)]
+    answer = subprocess.run(command, capture_output=True, text=True, check=False)
+    if answer.returncode == CUT:
         return None
+    answer.check_returncode()
+    regions, seconds = answer.stdout.split()[-2:]
+    return int(regions), float(seconds)
+
+
+def run_ppopt(name: str, limit: float) -> int:
+    """What :func:`beside_ppopt` starts."""
+    import signal
+
+    with contextlib.redirect_stdout(io.StringIO()):
+        with_ppopt("g_bemporad02")
+        signal.signal(signal.SIGPROF, lambda *_: os._exit(CUT))
+        signal.setitimer(signal.ITIMER_PROF, limit)
+        started = time.process_time()
+        regions = with_ppopt(name)
+        seconds = time.process_time() - started
+    print(regions, seconds)
+    return 0
+
+
+def with_ppopt(name: str) -> int:
+    """Number of regions that PPOPT finds."""
+    from ppopt.mp_solvers.solve_mpqp import mpqp_algorithm
+    from ppopt.mp_solvers.solve_mpqp import solve_mpqp as solve
+    from ppopt.mpqp_program import MPQP_Program
+
+    mpqp, _ = problem(name)
     theta = mpqp.theta
     column = [np.array(v, dtype=float).reshape(-1, 1) for v in (mpqp.w, mpqp.f, theta.b)]
-    arrays = [np.array(a) for a in (mpqp.G, mpqp.F, mpqp.H, theta.A, mpqp.S)]
-    G, F, H, A, S = arrays
-    try:
-        with contextlib.redirect_stdout(io.StringIO()):
-            started = time.process_time()
-            program = MPQP_Program(G, column[0], column[1], F, H, A, column[2], S, post_process=True)
-            found = solve(program, mpqp_algorithm[algorithm])
-            return len(found.critical_regions), time.process_time() - started
-    except Exception as error:
-        print(f"  PPOPT's {algorithm}: {type(error).__name__}: {error}", file=sys.stderr)
-        return None
+    G, F, H, A, S = (np.array(a) for a in (mpqp.G, mpqp.F, mpqp.H, theta.A, mpqp.S))
+    program = MPQP_Program(G, column[0], column[1], F, H, A, column[2], S, post_process=True)
+    return len(solve(program, mpqp_algorithm[BEST.get(name, "combinatorial_graph")]).critical_regions)
 
 
 def line(name: str, options: argparse.Namespace) -> tuple[str, float | None]:
@@ -101,24 +126,38 @@ def line(name: str, options: argparse.Namespace) -> tuple[str, float | None]:
     if options.count:
         text += f" {counted(name):.0f} |"
     if options.check:
-        certificate = ExplicitLaw.of(solution, moves).certificate(mpqp, options.check)
-        text += f" {certificate.value_error:.0e}, {certificate.missing + certificate.overlaps} |"
+        found_by = ExplicitLaw.of(solution, moves).certificate(mpqp, options.check)
+        text += f" {found_by.feasible} | {found_by.law_error:.0e} | {found_by.value_error:.0e} "
+        text += f"| {found_by.missing}, {found_by.superfluous}, {found_by.overlaps}, {found_by.undecided} |"
     ratio = None
-    if options.ppopt:
-        answers = [with_ppopt(mpqp, algorithm) for algorithm in ALGORITHMS]
-        text += "".join(" - |" if a is None else f" {a[0]} in {a[1]:.3g} s |" for a in answers)
-        times = [a[1] for a in answers if a is not None]
-        ratio = min(times) / seconds if times else None
-        text += f" {ratio:.0f} |" if ratio else " - |"
+    if options.peers_limit:
+        answer = beside_ppopt(name, options.peers_limit)
+        ratio = (answer[1] if answer else options.peers_limit) / seconds
+        text += f" {BEST.get(name, 'combinatorial_graph')} | "
+        text += f"{answer[0]} | {answer[1]:.3g} | {ratio:.0f} |" if answer else f"cut | | > {ratio:.0f} |"
     return text, ratio
 
 
 def header(options: argparse.Namespace) -> list[str]:
     titles = ["problem", "nz/nθ/m", "expected", "regions", "CPU ms", "µs per region", "sets", "points", "complete"]
     titles += ["LDP per region"] * options.count
-    titles += ["value error, missing + overlaps"] * bool(options.check)
-    titles += ["PPOPT graph", "PPOPT geometric", "its best / ours"] * options.ppopt
+    titles += ["feasible", "law error", "value error", "missing, superfluous, overlaps, undecided"] * bool(
+        options.check
+    )
+    titles += ["PPOPT's algorithm", "its regions", "its CPU s", "time ratio"] * bool(options.peers_limit)
     return ["| " + " | ".join(titles) + " |", "|" + "---|" * len(titles)]
+
+
+def sweep(count: int) -> int:
+    """Random degenerate problems; prints what was found."""
+    from degenerate import KINDS, Counts, swept
+
+    names = [field.name.replace("_", " ") for field in fields(Counts)]
+    print("| kind | " + " | ".join(names) + " |\n|" + "---|" * (len(names) + 1))
+    found = {kind: swept(kind, range(count)) for kind in KINDS}
+    for kind, counts in found.items():
+        print(f"| {kind} | " + " | ".join(map(str, astuple(counts))) + " |")
+    return 0 if all(counts.clean for counts in found.values()) else 1
 
 
 def installed(name: str) -> bool:
@@ -130,15 +169,21 @@ def installed(name: str) -> bool:
 def main() -> int:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("names", nargs="*", metavar="NAME")
-    parser.add_argument("--largest", type=int, default=700)
+    parser.add_argument("--largest", type=int, default=10_000)
     parser.add_argument("--repeat", type=int, default=3)
     parser.add_argument("--check", type=int, default=0)
     parser.add_argument("--count", action="store_true")
-    parser.add_argument("--ppopt", action="store_true")
+    parser.add_argument("--peers-limit", type=float, default=0.0)
+    parser.add_argument("--peer", help=argparse.SUPPRESS)
+    parser.add_argument("--sweep", type=int, default=0)
     options = parser.parse_args()
-    if options.ppopt and not installed("ppopt"):
+    if options.peer:
+        return run_ppopt(options.peer, options.peers_limit)
+    if options.sweep:
+        return sweep(options.sweep)
+    if options.peers_limit and not installed("ppopt"):
         print("PPOPT is not installed (pip install ppopt): its columns are left out")
-        options.ppopt = False
+        options.peers_limit = 0.0
     names = options.names or [name for name in sorted(EXPECTED) if EXPECTED[name] <= options.largest]
     started = time.process_time()
     solve_mpqp(problem("g_bemporad02")[0])
@@ -151,8 +196,8 @@ def main() -> int:
         print(text, flush=True)
         ratios += [ratio] if ratio else []
     if ratios:
-        print(f"\ngeometric mean of the ratios {np.exp(np.mean(np.log(ratios))):.0f}, "
-              f"least {min(ratios):.0f}, greatest {max(ratios):.0f}")  # fmt: skip
+        print(f"\ngeometric mean of the ratios {np.exp(np.mean(np.log(ratios))):.0f}, least {min(ratios):.0f}, "
+              f"greatest {max(ratios):.0f}; a problem that was cut counts with the limit")  # fmt: skip
     return 0
 
 

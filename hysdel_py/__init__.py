@@ -18,9 +18,14 @@ if TYPE_CHECKING:
     from hysdel_py.control.closed_loop import closed_loop
     from hysdel_py.control.costs import Cost
     from hysdel_py.control.disturbance import with_disturbances
+    from hysdel_py.control.explicit import explicit
     from hysdel_py.control.explicit_law import ExplicitLaw
+    from hysdel_py.control.hybrid_law import HybridLaw
     from hysdel_py.control.hybrid_mpc import HybridMpc, Move, MoveStatus
     from hysdel_py.control.limits import Limits
+    from hysdel_py.control.linear_cost import LinearCost
+    from hysdel_py.control.linear_limits import LinearLimits
+    from hysdel_py.control.linear_mpc import LinearMpc
     from hysdel_py.control.moving_horizon import Estimate, MovingHorizonEstimator
     from hysdel_py.control.observer import KalmanObserver
     from hysdel_py.errors import ArgumentError, CompileError, HysdelError, SimulationError
@@ -31,12 +36,14 @@ if TYPE_CHECKING:
     from hysdel_py.geometry.union import PolyhedralUnion
     from hysdel_py.model import Model, audit, load, to_dha, to_mld, to_pwa, to_symbolic_mld
     from hysdel_py.optimize.case_file import CaseFile, read_case
+    from hysdel_py.optimize.mpmiqp import MpMiqp, MpMiqpSettings, solve_mpmiqp
     from hysdel_py.optimize.mpqp import MpQp, MpQpSettings, ParametricSolution, solve_mpqp
     from hysdel_py.optimize.node_log import NodeLog
     from hysdel_py.reports.explain_infeasible import explain_infeasible
     from hysdel_py.reports.explanation import Explanation
     from hysdel_py.shipped import shipped_models
     from hysdel_py.systems.dha import Dha
+    from hysdel_py.systems.lti import Lti
     from hysdel_py.systems.mld import Mld
     from hysdel_py.systems.pwa import Pwa
     from hysdel_py.systems.simulation import simulate
@@ -44,11 +51,12 @@ if TYPE_CHECKING:
 
 __all__ = [
     "ArgumentError", "CaseFile", "CompileError", "Cost", "Dha", "Difference", "Estimate", "Explanation",
-    "ExplicitLaw", "HybridMpc", "HysdelError", "KalmanObserver", "Limits", "Margins", "Mld", "Model", "Move",
-    "MoveStatus", "MovingHorizonEstimator", "MpQp", "MpQpSettings", "NodeLog", "ParametricSolution",
-    "PolyhedralUnion", "Polyhedron", "Pwa", "SimulationError", "Trajectory", "Verification", "WellPosedness",
-    "__version__", "audit", "closed_loop", "diff", "explain_infeasible", "load", "minkowski_sum",
-    "pontryagin_difference", "read_case", "read_json", "shipped_models", "simulate", "solve_mpqp", "to_c", "to_dha",
+    "ExplicitLaw", "HybridLaw", "HybridMpc", "HysdelError", "KalmanObserver", "Limits", "LinearCost",
+    "LinearLimits", "LinearMpc", "Lti", "Margins", "Mld", "Model", "Move", "MoveStatus", "MovingHorizonEstimator",
+    "MpMiqp", "MpMiqpSettings", "MpQp", "MpQpSettings", "NodeLog", "ParametricSolution", "PolyhedralUnion",
+    "Polyhedron", "Pwa", "SimulationError", "Trajectory", "Verification", "WellPosedness", "__version__", "audit",
+    "closed_loop", "diff", "explain_infeasible", "explicit", "load", "minkowski_sum", "pontryagin_difference",
+    "read_case", "read_json", "shipped_models", "simulate", "solve_mpmiqp", "solve_mpqp", "to_c", "to_dha",
     "to_mld", "to_pwa", "to_symbolic_mld", "verify", "well_posed", "with_disturbances",
 ]  # fmt: skip
 
@@ -62,16 +70,23 @@ _HOME = {
     "Estimate": "control.moving_horizon",
     "Explanation": "reports.explanation",
     "ExplicitLaw": "control.explicit_law",
+    "HybridLaw": "control.hybrid_law",
     "HybridMpc": "control.hybrid_mpc",
     "HysdelError": "errors",
     "KalmanObserver": "control.observer",
     "Limits": "control.limits",
+    "LinearCost": "control.linear_cost",
+    "LinearLimits": "control.linear_limits",
+    "LinearMpc": "control.linear_mpc",
+    "Lti": "systems.lti",
     "Margins": "analysis.margins",
     "Mld": "systems.mld",
     "Model": "model",
     "Move": "control.hybrid_mpc",
     "MoveStatus": "control.hybrid_mpc",
     "MovingHorizonEstimator": "control.moving_horizon",
+    "MpMiqp": "optimize.mpmiqp",
+    "MpMiqpSettings": "optimize.mpmiqp",
     "MpQp": "optimize.mpqp",
     "MpQpSettings": "optimize.mpqp",
     "NodeLog": "optimize.node_log",
@@ -87,6 +102,7 @@ _HOME = {
     "closed_loop": "control.closed_loop",
     "diff": "analysis.diff",
     "explain_infeasible": "reports.explain_infeasible",
+    "explicit": "control.explicit",
     "load": "model",
     "minkowski_sum": "geometry.relations",
     "pontryagin_difference": "geometry.relations",
@@ -94,6 +110,7 @@ _HOME = {
     "read_json": "export.json_file",
     "shipped_models": "shipped",
     "simulate": "systems.simulation",
+    "solve_mpmiqp": "optimize.mpmiqp",
     "solve_mpqp": "optimize.mpqp",
     "to_c": "export.plant_c",
     "to_dha": "model",

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import numpy as np
+from fact_explicit import soft_state, terminal_penalty
 from fact_tools import Fact, NotSupported, close
 from pwa_form import Box, Mode, mld_of_modes
 from scipy.linalg import expm, solve_discrete_are
@@ -41,7 +42,15 @@ def state_box(p: Fact, C: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
 
 def sampled_costs(fact: Fact) -> str:
     """Costs at given states, whose own weight |Q x_0| the controller leaves out."""
-    p, first = fact["problem"], fact["problem"]["modes"][0]
+    mpc, weight = sampled_controller(fact["problem"])
+    for sample in fact["expected"]["samples"]:
+        compare_sample(mpc, sample, weight, fact["tolerance"])
+    return f"{len(fact['expected']['samples'])} states"
+
+
+def sampled_controller(p: Fact) -> tuple[HybridMpc, tuple[np.ndarray, float]]:
+    """The controller, and the weight and norm of the measured state."""
+    first = p["modes"][0]
     if any(m[key] != first[key] for m in p["modes"] for key in "CDg"):
         raise NotSupported("outputs that differ between modes")
     C, D, g = (np.array(first[key], dtype=float) for key in "CDg")
@@ -50,10 +59,12 @@ def sampled_costs(fact: Fact) -> str:
     norm = float(p["norm"])
     Q, R, P = (np.array(p[key], dtype=float) for key in ("Q", "R", "P_N"))
     limits = Limits(y={v.name: ends for v, *ends in zip(mld.y, p["ymin"], p["ymax"], strict=True)})
-    mpc = HybridMpc(mld, p["N"], Cost(x=Q, u=R, terminal=P, norm=norm), limits, **TIGHT)
-    for sample in fact["expected"]["samples"]:
-        compare_sample(mpc, sample, (Q, norm), fact["tolerance"])
-    return f"{len(fact['expected']['samples'])} states"
+    return HybridMpc(mld, p["N"], Cost(x=Q, u=R, terminal=P, norm=norm), limits, **TIGHT), (Q, norm)
+
+
+def own_cost(x, weight):
+    Q, norm = weight
+    return x @ Q @ x if norm == 2 else np.linalg.norm(Q @ x, norm)
 
 
 def compare_sample(mpc, sample, weight, tolerance):
@@ -63,9 +74,7 @@ def compare_sample(mpc, sample, weight, tolerance):
         assert move.status is MoveStatus.INFEASIBLE, f"at {x}: {move.message}, expected infeasible"
         return
     assert move.ok, f"at {x}: {move.message}"
-    Q, norm = weight
-    first = x @ Q @ x if norm == 2 else np.linalg.norm(Q @ x, norm)
-    close(move.cost + first, sample["J"], tolerance, f"cost at {x}")
+    close(move.cost + own_cost(x, weight), sample["J"], tolerance, f"cost at {x}")
 
 
 def pendulum(fact: Fact) -> str:
@@ -121,7 +130,7 @@ def mpc_eval(fact: Fact) -> str:
     if p.get("u_binary"):
         return binary_input(fact)
     if "soft" in p:
-        raise NotSupported("a slack of each stage with a linear price beside a quadratic cost")
+        return soft_state(fact)
     return quadratic_controller(fact)
 
 
@@ -145,6 +154,8 @@ def quadratic_controller(fact: Fact) -> str:
     close(P, expected["P"], tolerance, "Riccati matrix")
     box = p.get("terminal_set")
     terminal = {f"x{i + 1}": ends for i, ends in enumerate(zip(box["lb"], box["ub"], strict=True))} if box else {}
+    if "block_zero_based" not in p and box is None:
+        terminal_penalty(fact)
     held = [{}] if "block_zero_based" not in p else [{"control_horizon": p["block_zero_based"][0] + 1}]
     for blocks in held:
         mpc = HybridMpc(

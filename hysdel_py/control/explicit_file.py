@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from itertools import pairwise
 from os import PathLike
 from typing import Any
@@ -11,10 +12,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hysdel_py.control.explicit_law import ExplicitLaw
+from hysdel_py.control.law_signals import read_signals, signals_text
 from hysdel_py.errors import ArgumentError
 from hysdel_py.geometry.polyhedron import Polyhedron
 
-__all__ = ["load_law", "save_law"]
+__all__ = ["law_arrays", "law_of_arrays", "load_law", "save_law"]
 
 _FORMAT = 1
 _ARRAYS = ("A", "b", "starts", "K", "k", "P", "q", "r")
@@ -23,21 +25,26 @@ _ARRAYS = ("A", "b", "starts", "K", "k", "P", "q", "r")
 def save_law(law: ExplicitLaw, path: str | PathLike[str]) -> None:
     """Write a law; nothing in the file needs to be executed to read it."""
     with open(path, "wb") as file:
-        np.savez(file, **_content(law))
+        np.savez(file, **law_arrays(law))
 
 
-def _content(law: ExplicitLaw) -> dict[str, Any]:
-    return {name: getattr(law, name) for name in _ARRAYS} | {
-        "format": np.array(_FORMAT),
-        "moves": np.array(law.moves),
-        "names": np.array(law.names),
-        "complete": np.array(law.complete),
-        "tolerance": np.array(law.tolerance),
-        "domain_sides": law.domain.b,
-        "domain_rows": law.domain.A,
-        "active": np.array([row for rows in law.active for row in rows], dtype=np.int64),
-        "active_starts": np.cumsum([0, *(len(rows) for rows in law.active)]),
-    }
+def law_arrays(law: ExplicitLaw) -> dict[str, Any]:
+    """All that a law consists of, as arrays."""
+    return (
+        {name: getattr(law, name) for name in _ARRAYS}
+        | {
+            "format": np.array(_FORMAT),
+            "moves": np.array(law.moves),
+            "names": np.array(law.names),
+            "complete": np.array(law.complete),
+            "tolerance": np.array(law.tolerance),
+            "domain_sides": law.domain.b,
+            "domain_rows": law.domain.A,
+            "active": np.array([row for rows in law.active for row in rows], dtype=np.int64),
+            "active_starts": np.cumsum([0, *(len(rows) for rows in law.active)]),
+        }
+        | ({} if law.signals is None else {"signals": np.array(signals_text(law.signals))})
+    )
 
 
 def load_law(path: str | PathLike[str]) -> ExplicitLaw:
@@ -55,6 +62,11 @@ def load_law(path: str | PathLike[str]) -> ExplicitLaw:
         raise ArgumentError(f"{path} is not an .npz file: {error}") from None
     if content.get("format") != _FORMAT:
         raise ArgumentError(f"{path} holds no explicit law of format {_FORMAT}")
+    return law_of_arrays(content)
+
+
+def law_of_arrays(content: Mapping[str, Any]) -> ExplicitLaw:
+    """Inverse of :func:`law_arrays`."""
     return ExplicitLaw(
         **{name: content[name] for name in _ARRAYS},
         domain=Polyhedron(content["domain_rows"], content["domain_sides"]),
@@ -63,6 +75,7 @@ def load_law(path: str | PathLike[str]) -> ExplicitLaw:
         names=tuple(str(name) for name in content["names"]),
         complete=bool(content["complete"]),
         tolerance=float(content["tolerance"]),
+        signals=read_signals(str(content["signals"])) if "signals" in content else None,
     )
 
 

@@ -20,6 +20,8 @@ if TYPE_CHECKING:
 
     from hysdel_py.control.explicit_certificate import LawCertificate
     from hysdel_py.control.explicit_tree import LawTree
+    from hysdel_py.control.law_signals import LawSignals
+    from hysdel_py.control.move import Move
     from hysdel_py.export.law_c import LawCode
     from hysdel_py.optimize.mpqp import ParametricSolution
     from hysdel_py.optimize.parametric.problem import MpQp
@@ -58,6 +60,8 @@ class ExplicitLaw:
         Whether the regions are known to be all there are.
     tolerance : float
         Distance up to which a point on the boundary belongs to a region.
+    signals : LawSignals, optional
+        What the parameters and the moves stand for, in the law of a controller.
     """
 
     A: Array
@@ -74,6 +78,7 @@ class ExplicitLaw:
     names: tuple[str, ...]
     complete: bool
     tolerance: float = 1e-8
+    signals: LawSignals | None = None
 
     def __post_init__(self) -> None:
         for item in fields(self):
@@ -196,6 +201,27 @@ class ExplicitLaw:
         point = self._point(zeta)
         return float(0.5 * point @ self.P[region] @ point + self.q[region] @ point + self.r[region])
 
+    @property
+    def uses_last_input(self) -> bool:
+        """Whether the input applied last is a parameter."""
+        return self.signals is not None and self.signals.previous
+
+    @property
+    def sample_time(self) -> float:
+        """Sample time of the controller, 1 where there is none."""
+        return 1.0 if self.signals is None else self.signals.sample_time
+
+    def solve(
+        self,
+        x: ArrayLike | Mapping[str, float],
+        ref: ArrayLike | Mapping[str, float] | None = None,
+        last_input: ArrayLike | Mapping[str, float] | None = None,
+    ) -> Move:
+        """The first input, in the place of the controller that the law comes from (:func:`law_controller.answer`)."""
+        from hysdel_py.control.law_controller import answer
+
+        return answer(self, x, ref, last_input)
+
     @cached_property
     def tree(self) -> LawTree:
         """Search tree over the regions."""
@@ -214,6 +240,12 @@ class ExplicitLaw:
         from hysdel_py.control.explicit_slice import fix
 
         return fix(self, values)
+
+    def section(self, values: Mapping[str | int, float], window: Polyhedron) -> ExplicitLaw:
+        """The law in a window of the other parameters, its regions continued (:mod:`explicit_slice`)."""
+        from hysdel_py.control.explicit_slice import section
+
+        return section(self, values, window)
 
     def certificate(self, problem: MpQp, samples: int = 200, seed: int = 0) -> LawCertificate:
         """Comparison with the problem solved online, and continuity; see :func:`certify`."""

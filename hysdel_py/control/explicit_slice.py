@@ -8,11 +8,14 @@ from dataclasses import replace
 import numpy as np
 
 from hysdel_py.control.explicit_law import Array, ExplicitLaw, Vector
+from hysdel_py.control.law_signals import LawSignals
 from hysdel_py.errors import ArgumentError
 from hysdel_py.geometry.polyhedron import Polyhedron
 
-__all__ = ["fix"]
+__all__ = ["fix", "section"]
 
+_SAME = 1e-9
+"""Difference of the coefficients up to which a row is one of the domain."""
 _SHORT = 1e-12
 """A row of unit length that is shorter after fixing says nothing about the other parameters."""
 
@@ -56,6 +59,78 @@ def fix(law: ExplicitLaw, values: Mapping[str | int, float]) -> ExplicitLaw:
         active=tuple(law.active[region] for region in regions),
         domain=Polyhedron(A[real], b[real]),
         names=tuple(law.names[j] for j in free.tolist()),
+        signals=_signals(law, given),
+    )
+
+
+def _signals(law: ExplicitLaw, given: Mapping[int, float]) -> LawSignals | None:
+    """What the parameters stand for, with those that are given among the fixed ones."""
+    if law.signals is None:
+        return None
+    return replace(law.signals, fixed=(*law.signals.fixed, *((law.names[j], given[j]) for j in sorted(given))))
+
+
+def section(law: ExplicitLaw, values: Mapping[str | int, float], window: Polyhedron) -> ExplicitLaw:
+    """The law in a window, its regions continued beyond the domain.
+
+    A region that the domain alone ends goes on: what lies outside the domain is where its law leads, not what was asked
+    for. Pictures of laws often show sections like this.
+
+    Parameters
+    ----------
+    law : ExplicitLaw
+    values : mapping of names or positions to numbers
+        Parameters to set.
+    window : Polyhedron
+        Of the others, in their order.
+
+    Raises
+    ------
+    ArgumentError
+        An unknown parameter, none left, or a window of another dimension.
+    """
+    open_law = fix(_without_ends(law), values)
+    if window.n != open_law.p:
+        raise ArgumentError(f"window has {window.n} columns: {open_law.p} were expected, {', '.join(open_law.names)}")
+    pieces = [(i, _inside(open_law.polyhedron(i), window)) for i in range(open_law.count)]
+    kept = [(i, piece) for i, piece in pieces if piece is not None]
+    return replace(_chosen(open_law, kept), domain=window)
+
+
+def _without_ends(law: ExplicitLaw) -> ExplicitLaw:
+    """The same law without the rows that are those of its domain."""
+    length = law.domain.lengths
+    ends = np.column_stack([law.domain.A, law.domain.b]) / length[:, None]
+    rows = np.column_stack([law.A, law.b])
+    same = np.abs(rows[:, None] - ends[None]) <= _SAME * np.maximum(1.0, np.abs(ends))
+    inner = np.array([not row.all(axis=1).any() for row in same], dtype=bool)
+    before = np.concatenate([[0], np.cumsum(inner)])
+    nowhere = Polyhedron(np.zeros((0, law.p)), np.zeros(0))
+    return replace(law, A=law.A[inner], b=law.b[inner], starts=before[law.starts], domain=nowhere)
+
+
+def _inside(region: Polyhedron, window: Polyhedron) -> Polyhedron | None:
+    piece = region & window
+    return None if piece.is_empty or piece.is_flat else _scaled(piece.minimal())
+
+
+def _scaled(piece: Polyhedron) -> Polyhedron:
+    return Polyhedron(piece.A / piece.lengths[:, None], piece.b / piece.lengths)
+
+
+def _chosen(law: ExplicitLaw, kept: list[tuple[int, Polyhedron]]) -> ExplicitLaw:
+    """Some regions of a law, with new rows."""
+    regions = [i for i, _ in kept]
+    values = {name: getattr(law, name)[regions] for name in ("P", "q", "r")} if law.has_value else {}
+    return replace(
+        law,
+        A=np.vstack([np.zeros((0, law.p)), *(piece.A for _, piece in kept)]),
+        b=np.concatenate([np.zeros(0), *(piece.b for _, piece in kept)]),
+        starts=np.cumsum([0, *(piece.m for _, piece in kept)]),
+        K=law.K[regions],
+        k=law.k[regions],
+        active=tuple(law.active[i] for i in regions),
+        **values,
     )
 
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from math import inf
 from typing import Any, Literal, TypeAlias
@@ -11,12 +11,13 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from hysdel_py.control.formulation import Formulation
-from hysdel_py.control.limits import Limits
 from hysdel_py.control.move import Move, MoveStatus
 from hysdel_py.errors import ArgumentError
-from hysdel_py.systems.signals import as_vector, range_violations
+from hysdel_py.systems.signals import Variable, as_vector, range_violations
 
-__all__ = ["Fallback", "Reserve", "check_fallback", "from_callable", "from_reserve", "from_softened"]
+__all__ = [
+    "Fallback", "Reserve", "broken_input_limits", "check_fallback", "from_callable", "from_reserve", "from_softened",
+]  # fmt: skip
 
 Matrix = NDArray[np.float64]
 Fallback: TypeAlias = Literal["soft", "last_plan"] | Callable[[Matrix, Move], ArrayLike] | None
@@ -30,8 +31,8 @@ class Reserve:
     used: int = 1
 
 
-def check_fallback(fallback: Any, limits: Limits) -> Fallback:
-    """Return a fallback that can be done.
+def check_fallback(fallback: Any, limits: Any) -> Fallback:
+    """Return a fallback that can be done with the limits of a hybrid or of a linear controller.
 
     Raises
     ------
@@ -58,21 +59,27 @@ def from_softened(failed: Move, softened: Move) -> Move:
     )  # fmt: skip
 
 
-def from_reserve(
-    failed: Move, reserve: Reserve | None, formulation: Formulation, last_input: Matrix | None, tolerance: float
-) -> Move:
-    """Take the next input of the last plan, if there is one that keeps the limits of the inputs."""
+def from_reserve(failed: Move, reserve: Reserve | None, broken_limits: Callable[[Matrix], list[str]]) -> Move:
+    """Take the next input of the last plan, if there is one that keeps the limits of the inputs.
+
+    Parameters
+    ----------
+    failed : Move
+    reserve : Reserve or None
+    broken_limits : callable
+        The limits of inputs and increments that an input breaks now, in words.
+    """
     if reserve is None or reserve.used >= len(reserve.u):
         return _none(failed, "the fallback has no input of an earlier plan left")
     u = reserve.u[reserve.used].copy()
-    broken = _broken_input_limits(formulation, u, last_input, tolerance)
+    broken = broken_limits(u)
     if broken:
         return _none(failed, f"the input of the last plan breaks the limits now: {', '.join(broken)}")
     return _with_input(failed, u, "last_plan", f"input {reserve.used} of the last plan")
 
 
 def from_callable(
-    failed: Move, choose: Callable[[Matrix, Move], ArrayLike], x: Matrix, formulation: Formulation
+    failed: Move, choose: Callable[[Matrix, Move], ArrayLike], x: Matrix, variables: Sequence[Variable]
 ) -> Move:
     """Take the input that a function of the measured state and the failed move returns.
 
@@ -81,7 +88,6 @@ def from_callable(
     ArgumentError
         If it is not an input of the model within its declared ranges.
     """
-    variables = formulation.layout.mld.u
     u = as_vector(choose(x, failed), variables, "input of the fallback")
     outside = range_violations(u, variables, "input of the fallback", 0.0)
     if outside:
@@ -89,7 +95,8 @@ def from_callable(
     return _with_input(failed, u, "callable", "the input that the given function chose")
 
 
-def _broken_input_limits(formulation: Formulation, u: Matrix, last_input: Matrix | None, tolerance: float) -> list[str]:
+def broken_input_limits(formulation: Formulation, last_input: Matrix | None, tolerance: float, u: Matrix) -> list[str]:
+    """Limits of inputs and increments of a hybrid controller that an input breaks now."""
     start = formulation.layout.start("u", 0)
     names = [v.name for v in formulation.layout.mld.u]
     low, high = (end[start : start + len(u)] for end in (formulation.lb, formulation.ub))

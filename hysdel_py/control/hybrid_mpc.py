@@ -9,6 +9,7 @@ from __future__ import annotations
 import time
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
+from functools import partial
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -219,8 +220,9 @@ class HybridMpc:
             self._reserve = None if softened.predicted is None else Reserve(softened.predicted.u)
             return softened
         if callable(self._fallback):
-            return fallbacks.from_callable(failed, self._fallback, measured, self.formulation)
-        move = fallbacks.from_reserve(failed, self._reserve, self.formulation, last, self.tolerances.residual)
+            return fallbacks.from_callable(failed, self._fallback, measured, self.mld.u)
+        broken = partial(fallbacks.broken_input_limits, self.formulation, last, self.tolerances.residual)
+        move = fallbacks.from_reserve(failed, self._reserve, broken)
         self._reserve = None if self._reserve is None else replace(self._reserve, used=self._reserve.used + 1)
         return move
 

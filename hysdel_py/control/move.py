@@ -1,4 +1,4 @@
-"""The answer of a hybrid controller: an input, how good it is, and what to do when there is none."""
+"""The answer of a predictive controller: an input, how good it is, and what to do when there is none."""
 
 from __future__ import annotations
 
@@ -100,6 +100,9 @@ class Move:
         Which fallback gave the input, empty for a plan.
     cause : MoveStatus or None
         With a fallback: why there was no plan.
+    residual : float
+        Largest violation of a limit by the plan of a linear controller, relative to the limit and at least absolute;
+        not a number where it was not computed.
     case : Case or None
         What was solved, for :meth:`HybridMpc.why` and :meth:`HybridMpc.dump_problem`.
     """
@@ -118,6 +121,7 @@ class Move:
     approximate_from: int | None = None
     fallback: str = ""
     cause: MoveStatus | None = None
+    residual: float = nan
     case: Case | None = field(default=None, repr=False)
 
     @property

@@ -36,7 +36,7 @@ def as_plant(plant: Any, controller: Any, tolerance: float) -> tuple[PlantStep, 
         If the plant has no step and is not callable.
     """
     form = _with_step(plant)
-    names = _variables(form) or _variables(getattr(controller, "mld", None))
+    names = _variables(form) or _variables(_known_form(controller))
     if hasattr(form, "step"):
         return _kept_in_range(_four(form.step), names.get("x", ()), tolerance), names
     if not callable(form):
@@ -44,6 +44,11 @@ def as_plant(plant: Any, controller: Any, tolerance: float) -> tuple[PlantStep, 
             f"plant is a {type(plant).__name__}: a Model, Dha, Mld, an object with step(x, u), or a callable expected"
         )
     return _four(form), {key: names[key] for key in ("x", "u") if key in names}
+
+
+def _known_form(controller: Any) -> Any:
+    """What names the vectors of a controller, if anything does."""
+    return next((getattr(controller, name) for name in ("mld", "lti", "signals") if hasattr(controller, name)), None)
 
 
 def _with_step(plant: Any) -> Any:

@@ -13,7 +13,7 @@ from functools import cache
 from pathlib import Path
 from typing import Any, TypeVar
 
-__all__ = ["compiled", "kernels_are_compiled"]
+__all__ = ["compiled", "either", "kernels_are_compiled"]
 
 F = TypeVar("F", bound=Callable[..., Any])
 
@@ -28,6 +28,14 @@ def compiled(function: F) -> F:
         return numba.njit(cache=True)(function)  # type: ignore[no-any-return]
     except RuntimeError:  # no place to keep the compiled code
         return numba.njit(function)  # type: ignore[no-any-return]
+
+
+def either(loops: F, arrays: F) -> F:
+    """The compiled loops, or where nothing is compiled the same step as whole-array operations.
+
+    For the innermost steps only: loops over elements are what a compiler likes and what plain Python is slow at.
+    """
+    return compiled(loops) if kernels_are_compiled() else arrays
 
 
 def kernels_are_compiled() -> bool:

@@ -9,11 +9,12 @@ from time import perf_counter
 import numpy as np
 from numpy.typing import NDArray
 
+from hysdel_py.optimize.parametric.atlas import Atlas
 from hysdel_py.optimize.parametric.beyond import Verdict
 from hysdel_py.optimize.parametric.canonical import Canonical
 from hysdel_py.optimize.parametric.exploration import Exploration, Progress, Stop
+from hysdel_py.optimize.parametric.neighbours import ActiveSet
 from hysdel_py.optimize.parametric.problem import MpQp
-from hysdel_py.optimize.parametric.records import ActiveSet, FoundRegion
 from hysdel_py.optimize.parametric.reduction import canonical_form
 from hysdel_py.optimize.parametric.settings import MpQpSettings
 
@@ -119,51 +120,60 @@ def solve_mpqp(
     form = canonical_form(problem, chosen)
     if form is None:
         return ParametricSolution(problem, (), True, Stop.DONE, 0, 0, 0, 0, perf_counter() - started)
-    run = Exploration(form, chosen, executor, progress, started=started)
+    run = Exploration(form, chosen, executor, progress, started)
     stop = run.run()
-    found = sorted(run.regions.values(), key=lambda region: (len(region.active), region.active))
-    regions = _critical_regions(problem, form, found)
+    regions = _critical_regions(problem, form, run)
     open_facets = sum(verdict is Verdict.OPEN for verdict in run.verdicts.values())
     complete = stop is Stop.DONE and not open_facets and not run.unclear
     seconds = perf_counter() - started
     return ParametricSolution(
-        problem, regions, complete, stop, open_facets, run.unclear, len(run.seen), run.points, seconds
+        problem, regions, complete, stop, open_facets, run.unclear, run.frontier.count, run.points, seconds
     )
 
 
-def _critical_regions(problem: MpQp, form: Canonical, found: list[FoundRegion]) -> tuple[CriticalRegion, ...]:
-    """Regions in the problem's own variables and parameters; the laws of all regions at once."""
-    if not found:
+def _critical_regions(problem: MpQp, form: Canonical, run: Exploration) -> tuple[CriticalRegion, ...]:
+    """Regions in the problem's own variables and parameters, in the order of their active sets; all at once."""
+    atlas = run.atlas
+    if atlas is None:
         return ()
-    laws = form.back @ np.array([region.v[:, :-1] for region in found]) + form.shift
+    laws = form.back @ atlas.laws[:, :, :-1] + form.shift
     K = laws[:, :, 1:] / form.half
     k = laws[:, :, 0] - K @ form.centre
     P, q, r = _values(problem, K, k)
     values = r.tolist()
+    A, b = _rows(form, atlas)
+    centres = form.unscaled(atlas.centres)
+    starts = atlas.starts.tolist()
+    active = _active_sets(form, run.frontier.sets[atlas.sets])
+    order = sorted(range(len(active)), key=lambda i: (len(active[i]), active[i]))
     return tuple(
         CriticalRegion(
-            *_rows(form, region),
+            A[starts[i] : starts[i + 1]],
+            b[starts[i] : starts[i + 1]],
             K[i],
             k[i],
             P[i],
             q[i],
             values[i],
-            active=_stated_rows(form, region),
-            centre=form.unscaled(region.centre),
+            active[i],
+            centres[i],
         )
-        for i, region in enumerate(found)
+        for i in order
     )
 
 
-def _rows(form: Canonical, region: FoundRegion) -> tuple[Matrix, Vector]:
-    A = region.N / form.half
-    b = region.h + A @ form.centre
+def _rows(form: Canonical, atlas: Atlas) -> tuple[Matrix, Vector]:
+    A = atlas.N / form.half
+    b = atlas.h + A @ form.centre
     length = np.sqrt((A * A).sum(axis=1))
     return A / length[:, None], b / length
 
 
-def _stated_rows(form: Canonical, region: FoundRegion) -> ActiveSet:
-    return tuple(form.rows[list(region.active)].tolist())
+def _active_sets(form: Canonical, sets: NDArray[np.int64]) -> list[ActiveSet]:
+    """Rows as stated of sets that are padded with -1."""
+    stated = np.append(form.rows, -1)[sets].tolist()
+    sizes = (sets >= 0).sum(axis=1).tolist()
+    return [tuple(row[:size]) for row, size in zip(stated, sizes, strict=True)]
 
 
 def _values(problem: MpQp, K: Matrix, k: Matrix) -> tuple[Matrix, Matrix, Vector]:

@@ -6,7 +6,7 @@ be infeasible. An uncovered point is solved on its own; its active set is the mi
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Container
 from dataclasses import dataclass
 from enum import Enum
 from typing import Any
@@ -14,16 +14,20 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from hysdel_py.optimize.compiled import compiled
+from hysdel_py.optimize.parametric.atlas import Atlas
 from hysdel_py.optimize.parametric.canonical import Canonical
-from hysdel_py.optimize.parametric.cover import Rows, point_inside, uncovered_point
+from hysdel_py.optimize.parametric.cover import Rows, uncovered_point
+from hysdel_py.optimize.parametric.facets import inner_point_in
+from hysdel_py.optimize.parametric.frontier import Frontier, find
+from hysdel_py.optimize.parametric.nearest import FOUND, workspace
 from hysdel_py.optimize.parametric.point import PointStatus, solve_at
-from hysdel_py.optimize.parametric.records import ActiveSet, FoundRegion, Task
 from hysdel_py.optimize.parametric.settings import MpQpSettings
 
 __all__ = ["Beyond", "Verdict"]
 
 Vector = NDArray[np.float64]
-Key = tuple[ActiveSet, int]
+Missing = tuple[tuple[int, ...], Vector]
 
 _STEP = 0.1
 """How far beyond a facet one looks, as a share of the distance that is kept from its edges."""
@@ -50,86 +54,83 @@ class Beyond:
     ----------
     form : Canonical
     settings : MpQpSettings
-    regions : mapping of active sets to regions
+    atlas : Atlas
+    frontier : Frontier
     points : int
         Number of single points solved.
     """
 
     form: Canonical
     settings: MpQpSettings
-    regions: Mapping[ActiveSet, FoundRegion]
+    atlas: Atlas
+    frontier: Frontier
     points: int = 0
-    _stacked: Any = None
 
-    def open_facets(self, settled: Mapping[Key, Verdict]) -> Iterator[tuple[Key, FoundRegion, int]]:
-        """Facets that the exchange of rows does not settle."""
-        for active in sorted(self.regions):
-            region = self.regions[active]
-            for number, facet in enumerate(region.facets):
-                if facet.on_domain or (active, number) in settled:
-                    continue
-                crossed = not facet.beyond or any(other in self.regions for other in facet.beyond)
-                if facet.shared or not crossed or self.settings.thorough:
-                    yield (active, number), region, number
+    def open_rows(self, settled: Container[int]) -> list[int]:
+        """Rows of the atlas whose far side the exchange of rows does not settle."""
+        kinds = self.atlas.kinds
+        asked = (kinds[:, 0] >= 0) & ((kinds[:, 1] > 0) | self.atlas.not_crossed() | self.settings.thorough)
+        return [row for row in np.flatnonzero(asked).tolist() if row not in settled]
 
-    def settle(self, region: FoundRegion, facet: int) -> tuple[Verdict, list[Task]]:
-        """Verdict on a facet, or the active sets that it shows to be missing."""
-        strip, margin = self._strip(region, facet)
-        covers: list[Rows] = []
-        verdict = Verdict.EDGE
-        for active in region.facets[facet].beyond:
-            if active in self.regions:
-                covers.append((self.regions[active].N, self.regions[active].h))
-                verdict = Verdict.REGIONS
-        for _ in range(_PIECES_SHARED if region.facets[facet].shared else _PIECES):
+    def settle(self, row: int) -> tuple[Verdict, Missing | None]:
+        """Verdict on a facet, or an active set that it shows to be missing and a point in its region."""
+        strip, margin = self._strip(row)
+        covers = [self.atlas.rows(region) for region in self.atlas.beyond(row)]
+        verdict = Verdict.REGIONS if covers else Verdict.EDGE
+        for _ in range(_PIECES_SHARED if self.atlas.kinds[row, 1] else _PIECES):
             s = uncovered_point(strip, covers, 0.1 * _STEP * margin, self.settings)
             if s is None:
-                return verdict, []
+                return verdict, None
             self.points += 1
             point = solve_at(self.form, s, self.settings)
             if point.status is PointStatus.INFEASIBLE:
                 covers.append(_half_space(point.ray))
                 continue
-            home = self._home(point.active, s) if point.status is PointStatus.OPTIMAL else None
-            if home is None:
-                missing = point.status is PointStatus.OPTIMAL and point.active not in self.regions
-                return Verdict.OPEN, [Task(point.active, s)] if missing else []
-            covers.append((home.N, home.h))
+            if point.status is not PointStatus.OPTIMAL:
+                return Verdict.OPEN, None
+            home, explored = self._home(point.active, s)
+            if home < 0:
+                return Verdict.OPEN, None if explored else (point.active, s)
+            covers.append(self.atlas.rows(home))
             verdict = Verdict.REGIONS
-        return Verdict.SAMPLED, []
+        return Verdict.SAMPLED, None
 
-    def _home(self, active: ActiveSet, s: Vector) -> FoundRegion | None:
-        """Stored region that holds a point, the one of its active set first."""
-        tolerance = 10 * self.settings.radius
-        own = self.regions.get(active)
-        if own is not None and own.holds(s, tolerance):
-            return own
-        if not self._stacked:
-            self._stacked = _stack(list(self.regions.values()))
-        found, N, h, starts = self._stacked
-        excess = np.maximum.reduceat(N @ s - h, starts)
-        best = int(np.argmin(excess))
-        return found[best] if excess[best] <= tolerance else None
+    def _home(self, active: tuple[int, ...], s: Vector) -> tuple[int, bool]:
+        """Stored region that holds a point, and whether the given active set has been explored."""
+        number = int(find(self.frontier.table, self.frontier.sets, self.frontier.row(active)))
+        explored = 0 <= number < len(self.atlas.region_of)
+        first = int(self.atlas.region_of[number]) if explored else -1
+        return self.atlas.home(s, first, 10 * self.settings.radius), explored
 
-    def _strip(self, region: FoundRegion, facet: int) -> tuple[Rows, float]:
+    def _strip(self, row: int) -> tuple[Rows, float]:
         """The facet moved outwards, thin in that direction and kept away from its edges."""
-        N, h, settings = region.N, region.h, self.settings
-        kept = np.arange(len(h)) != facet
-        for margin in settings.margins:
-            step = _STEP * margin
-            rows = np.vstack([N[kept], -N[facet : facet + 1], N[facet : facet + 1]])
-            sides = np.concatenate([h[kept] - margin, [-h[facet] - step, h[facet] + 2 * step]])
-            if point_inside((rows, sides), 0.0, settings, region.points[facet]) is not None:
-                break
-        domain = self.form.domain
-        return (np.vstack([rows, domain[:, 1:]]), np.concatenate([sides, domain[:, 0]])), float(margin)
+        atlas, settings = self.atlas, self.settings
+        region = atlas.region_of_row(row)
+        N, h = atlas.rows(region)
+        place = row - int(atlas.starts[region])
+        rows, sides, margin = _strip(
+            N, h, place, atlas.points[row], self.form.domain, settings.margins, settings.violation, settings.angle
+        )
+        return (rows, sides), margin
 
 
-def _stack(found: list[FoundRegion]) -> Any:
-    """Rows of all regions in one matrix, and where each region's begin."""
-    starts = np.cumsum([0, *(len(region.h) for region in found[:-1])])
-    N, h = np.vstack([region.N for region in found]), np.concatenate([region.h for region in found])
-    return found, N, h, starts
+@compiled
+def _strip(N: Any, h: Any, facet: int, point: Any, domain: Any, margins: Any, violation: float, angle: float) -> Any:
+    """Rows and sides of the strip beyond a facet, and the distance that it keeps from the edges."""
+    f, n = N.shape
+    rows, sides = np.empty((f + 1 + len(domain), n)), np.empty(f + 1 + len(domain))
+    rows[:f], rows[f] = N, -N[facet]
+    work, x, margin = workspace(n), point.copy(), margins[-1]
+    for margin in margins:
+        step = _STEP * margin
+        for row in range(f):
+            sides[row] = h[row] - margin
+        sides[facet], sides[f] = h[facet] + 2 * step, -h[facet] - step
+        if inner_point_in(rows, sides, f + 1, point, np.zeros(1), x, work, violation, angle) == FOUND:
+            break
+    for row in range(len(domain)):
+        rows[f + 1 + row], sides[f + 1 + row] = domain[row, 1:], domain[row, 0]
+    return rows, sides, margin
 
 
 def _half_space(ray: Vector) -> Rows:

@@ -12,85 +12,74 @@ from typing import Any
 import numpy as np
 
 from hysdel_py.optimize.compiled import compiled
+from hysdel_py.optimize.parametric.vectors import reflect, rotate, turned
 
-__all__ = ["append", "factor", "remove", "solve_lower", "solve_upper"]
+__all__ = ["append", "factor", "refactor", "remove"]
 
 
 @compiled
 def append(Qt: Any, R: Any, k: int, d: Any) -> None:
-    """Let a vector enter as number k; `d` is ``Qt a`` and ``d[k:]`` is not zero."""
-    R[:k, k] = d[:k]
-    tail = d[k:].copy()
-    length = np.sqrt(np.dot(tail, tail))
-    if tail[0] > 0:
+    """Let a vector enter as number k; `d` is ``Qt a``, ``d[k:]`` is not zero and is overwritten."""
+    n = len(Qt)
+    square = 0.0
+    for i in range(k):
+        R[i, k] = d[i]
+    for i in range(k, n):
+        square += d[i] * d[i]
+    length = np.sqrt(square)
+    if d[k] > 0:
         length = -length
     R[k, k] = length
-    tail[0] -= length
-    square = np.dot(tail, tail)
+    square -= d[k] * d[k]
+    d[k] -= length
+    square += d[k] * d[k]
     if square > 0:
-        coefficients = np.dot(tail, Qt[k:]) * (2.0 / square)
-        for row in range(len(tail)):
-            Qt[k + row] -= tail[row] * coefficients
+        reflect(Qt, d, k, 2.0 / square)
 
 
 @compiled
 def remove(Qt: Any, R: Any, k: int, leaving: int) -> None:
     """Let vector number `leaving` of k go; the later ones move up."""
     for column in range(leaving, k - 1):
-        R[: column + 2, column] = R[: column + 2, column + 1]
+        for row in range(column + 2):
+            R[row, column] = R[row, column + 1]
     for row in range(leaving, k - 1):
-        a, b = R[row, row], R[row + 1, row]
-        length = np.hypot(a, b)
-        cosine, sine = a / length, b / length
-        upper = cosine * R[row, row : k - 1] + sine * R[row + 1, row : k - 1]
-        R[row + 1, row : k - 1] = cosine * R[row + 1, row : k - 1] - sine * R[row, row : k - 1]
-        R[row, row : k - 1] = upper
-        direction = cosine * Qt[row] + sine * Qt[row + 1]
-        Qt[row + 1] = cosine * Qt[row + 1] - sine * Qt[row]
-        Qt[row] = direction
+        length = np.hypot(R[row, row], R[row + 1, row])
+        cosine, sine = R[row, row] / length, R[row + 1, row] / length
+        rotate(R, row, row, k - 1, cosine, sine)
+        rotate(Qt, row, 0, len(Qt), cosine, sine)
+
+
+@compiled
+def refactor(rows: Any, tolerance: float, Qt: Any, R: Any, d: Any) -> int:
+    """Factor of the given rows, ``rows' = Q R``, into given arrays.
+
+    Returns
+    -------
+    int
+        The number of rows, or of those before the first that depends on the ones before it up to `tolerance`.
+    """
+    Qt[:] = 0.0
+    for i in range(len(Qt)):
+        Qt[i, i] = 1.0
+    for row in range(len(rows)):
+        if row >= len(Qt) or turned(Qt, rows[row], row, d) <= tolerance * tolerance:
+            return row
+        append(Qt, R, row, d)
+    return len(rows)
 
 
 @compiled
 def factor(rows: Any, tolerance: float) -> Any:
-    """Factor of the given rows, ``rows' = Q R``.
+    """Factor of the given rows.
 
     Returns
     -------
     Qt : array of shape (n, n)
     R : array of shape (k, k)
     rank : int
-        k, or the number of rows before the first that depends on those before it up to `tolerance`.
+        As :func:`refactor`.
     """
     k, n = rows.shape
-    Qt, R = np.eye(n), np.zeros((k, k))
-    for row in range(k):
-        if row >= n:
-            return Qt, R, row
-        d = np.dot(Qt, rows[row])
-        rest = d[row:]
-        if np.sqrt(np.dot(rest, rest)) <= tolerance:
-            return Qt, R, row
-        append(Qt, R, row, d)
-    return Qt, R, k
-
-
-@compiled
-def solve_upper(R: Any, k: int, right: Any) -> Any:
-    """``R^-1 right`` for the leading block of size k; right has shape (k, columns)."""
-    x = right.copy()
-    for row in range(k - 1, -1, -1):
-        for later in range(row + 1, k):
-            x[row] -= R[row, later] * x[later]
-        x[row] /= R[row, row]
-    return x
-
-
-@compiled
-def solve_lower(R: Any, k: int, right: Any) -> Any:
-    """``R'^-1 right`` for the leading block of size k; right has shape (k, columns)."""
-    x = right.copy()
-    for row in range(k):
-        x[row] /= R[row, row]
-        for later in range(row + 1, k):
-            x[later] -= R[row, later] * x[row]
-    return x
+    Qt, R = np.empty((n, n)), np.zeros((k, k))
+    return Qt, R, refactor(rows, tolerance, Qt, R, np.empty(n))

@@ -1,4 +1,4 @@
-"""One active set of the canonical problem: its law, its region and its facets.
+"""One active set of the canonical problem: its law and its region; kernels.
 
 The canonical problem is ``min 1/2 |v1|^2 + c(theta)'v2  subject to  M1 v1 + M2 v2 <= b(theta)``. Affine functions of
 theta are arrays whose columns are the constant, the coefficients, and last the coefficient of an infinitesimal that
@@ -7,25 +7,19 @@ breaks ties.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
 from hysdel_py.optimize.compiled import compiled
-from hysdel_py.optimize.parametric.canonical import Canonical
-from hysdel_py.optimize.parametric.facets import facets, inner_point, same_rows
-from hysdel_py.optimize.parametric.factor import factor, solve_lower, solve_upper
-from hysdel_py.optimize.parametric.nearest import FOUND, LOST
-from hysdel_py.optimize.parametric.settings import MpQpSettings
+from hysdel_py.optimize.parametric.factor import factor
+from hysdel_py.optimize.parametric.vectors import blend, greatest, row_lengths, solve_lower, solve_upper
 
-__all__ = ["DEPENDENT", "EMPTY", "REGION", "UNCLEAR", "Explored", "explore", "region_rows", "stationary"]
-
-REGION, EMPTY, DEPENDENT, UNCLEAR = 0, 1, 2, 3
-"""What an active set turned out to be."""
+__all__ = ["least_distance", "region_rows", "stationary"]
 
 
-def stationary(M: Any, b: Any, c: Any, active: Any, angle: float) -> tuple[bool, Any, Any]:
+@compiled
+def stationary(M: Any, b: Any, c: Any, active: Any, angle: float) -> Any:
     """Solution with the active rows met, and their multipliers, by equation (3) of docs/mpqp.md.
 
     Returns
@@ -34,26 +28,44 @@ def stationary(M: Any, b: Any, c: Any, active: Any, angle: float) -> tuple[bool,
         Whether the rows are independent and fix v2.
     v : array of shape (n, columns)
     multipliers : array of shape (k, columns)
+    Qt, R : arrays of shapes (n1, n1), (k1, k1)
+        Factor of the active rows; of what the equations of v2 leave of them if there is a v2.
     """
     n, free, k = M.shape[1], len(c), len(active)
-    if k < free or k > n:
-        return False, None, None
+    rows, right = M[active], b[active]
     if not free:
-        return least_distance(M[active], b[active], angle)  # type: ignore[no-any-return]
-    first, second = M[active, : n - free], M[active, n - free :]
-    Y, R2 = np.linalg.qr(second, mode="complete")
-    if np.abs(np.diag(R2)).min() <= angle:
-        return False, None, None
-    Y1, W = Y[:, :free], Y[:, free:]
-    base = -Y1 @ np.linalg.solve(R2[:free].T, c)
-    v1 = -first.T @ base
-    B = np.ascontiguousarray(W.T @ first)
-    regular, step, own = least_distance(B, W.T @ b[active] - B @ v1, angle)
+        return least_distance(rows, right, angle)
+    nothing = np.zeros((0, 0))
+    if k < free or k > n:
+        return False, np.zeros((n, b.shape[1])), np.zeros(right.shape), nothing, nothing
+    first, second = rows[:, : n - free].copy(), rows[:, n - free :].copy()
+    Yt, R2, rank = factor(np.ascontiguousarray(second.T), angle)
+    if rank < free:
+        return False, np.zeros((n, b.shape[1])), np.zeros(right.shape), nothing, nothing
+    pull = c.copy()
+    solve_lower(R2, free, pull)
+    base = np.zeros(right.shape)
+    blend(Yt[:free], pull, base, -1.0)
+    v = np.zeros((n, b.shape[1]))
+    blend(first, base, v[: n - free], -1.0)
+    W = np.ascontiguousarray(Yt[free:].T)
+    left = right.copy()
+    blend(np.ascontiguousarray(first.T), v[: n - free], left, -1.0)
+    B, side = np.zeros((k - free, n - free)), np.zeros((k - free, b.shape[1]))
+    blend(W, first, B, 1.0)
+    blend(W, left, side, 1.0)
+    regular, step, own, Qt, R = least_distance(B, side, angle)
     if not regular:
-        return False, None, None
-    v1 = v1 + step
-    v2 = np.linalg.solve(R2[:free], Y1.T @ (b[active] - first @ v1))
-    return True, np.vstack([v1, v2]), base + W @ own
+        return False, v, base, nothing, nothing
+    blend(Yt[free:], own, base, 1.0)
+    v[: n - free] += step
+    left = right.copy()
+    blend(np.ascontiguousarray(first.T), v[: n - free], left, -1.0)
+    flat = np.zeros((free, b.shape[1]))
+    blend(np.ascontiguousarray(Yt[:free].T), left, flat, 1.0)
+    solve_upper(R2, free, flat)
+    v[n - free :] = flat
+    return True, v, base, Qt, R
 
 
 @compiled
@@ -61,15 +73,18 @@ def least_distance(rows: Any, right: Any, angle: float) -> Any:
     """Shortest v with ``rows v = right``, column by column, and the multipliers ``v = -rows' multipliers``."""
     k, n = rows.shape
     Qt, R, rank = factor(rows, angle)
+    v, y = np.zeros((n, right.shape[1])), right.copy()
     if rank < k:
-        return False, np.zeros((n, right.shape[1])), np.zeros(right.shape)
-    y = solve_lower(R, k, right)
-    return True, np.dot(Qt[:k].T, y), -solve_upper(R, k, y)
+        return False, v, y, Qt, R
+    solve_lower(R, k, y)
+    blend(Qt[:k], y, v, 1.0)
+    solve_upper(R, k, y)
+    return True, v, -y, Qt, R
 
 
 @compiled
 def region_rows(M: Any, b: Any, domain: Any, active: Any, v: Any, multipliers: Any, zero: float) -> Any:
-    """Rows ``N theta <= h`` of length one of the region, in the order multipliers, slacks, domain.
+    """Rows ``N theta <= h`` of length one of the region, in the order slacks, multipliers, domain.
 
     Returns
     -------
@@ -80,88 +95,33 @@ def region_rows(M: Any, b: Any, domain: Any, active: Any, v: Any, multipliers: A
         A row's own number: of a constraint for slacks, ``m + `` its place among the active rows for multipliers, -1 for
         the domain.
     """
-    m, p = M.shape[0], b.shape[1] - 2
-    k = len(active)
-    inactive = np.ones(m, dtype=np.bool_)
-    inactive[active] = False
-    excess = np.dot(M, v) - b
-    N, h = np.empty((m + len(domain), p)), np.empty(m + len(domain))
-    source = np.empty(m + len(domain), dtype=np.int64)
-    size = 1.0 + (np.max(np.abs(v)) if v.size else 0.0)
-    weight = 1.0 + (np.max(np.abs(multipliers)) if k else 0.0)
+    m, p, k = M.shape[0], b.shape[1] - 2, len(active)
+    lines = np.zeros((m + k, p + 2))
+    blend(M.T, v, lines[:m], 1.0)
+    lines[:m] -= b
+    lines[m:] = -multipliers
+    N, h = np.empty((m + k + len(domain), p)), np.empty(m + k + len(domain))
+    source = np.empty(len(h), dtype=np.int64)
+    lengths, size, weight = row_lengths(lines, p), greatest(v), greatest(multipliers)
+    inactive = np.ones(m + k, dtype=np.bool_)
+    for row in active:
+        inactive[row] = False
     count = 0
     for row in range(m + k):
-        if row < m:
-            if not inactive[row]:
-                continue
-            line, scale = excess[row], size + np.max(np.abs(b[row]))
-        else:
-            line, scale = -multipliers[row - m], weight
-        normal = line[1 : 1 + p]
-        length = np.sqrt(np.sum(normal * normal))
-        if length <= zero * scale:
-            sign = line[0] if abs(line[0]) > zero * scale else line[1 + p]
+        if not inactive[row]:
+            continue
+        scale = 1.0 + size + greatest(b[row]) if row < m else 1.0 + weight
+        length, small = lengths[row], zero * scale
+        if length <= small:
+            sign = lines[row, 0] if abs(lines[row, 0]) > small else lines[row, 1 + p]
             if sign > 0:
                 return False, N, h, source
             continue
-        N[count], h[count], source[count] = normal / length, -line[0] / length, row
+        for i in range(p):
+            N[count, i] = lines[row, 1 + i] / length
+        h[count], source[count] = -lines[row, 0] / length, row
         count += 1
     for row in range(len(domain)):
         N[count], h[count], source[count] = domain[row, 1:], domain[row, 0], -1
         count += 1
     return True, N[:count].copy(), h[:count].copy(), source[:count].copy()
-
-
-@dataclass(frozen=True, eq=False, slots=True)
-class Explored:
-    """Everything about one active set.
-
-    Attributes
-    ----------
-    status : int
-        REGION, EMPTY, DEPENDENT or UNCLEAR; the rest has a meaning for REGION only.
-    v : array of shape (n, p + 2)
-        Law.
-    centre : array of shape (p,)
-    N, h : arrays of shapes (f, p), (f,)
-        Facets.
-    source : int array of shape (f,)
-        As in :func:`region_rows`.
-    points : array of shape (f, p)
-        One on each facet.
-    shared : bool array of shape (f,)
-        Whether another row says the same.
-    lost : int
-        Rows that could not be judged.
-    """
-
-    status: int
-    v: Any = None
-    centre: Any = None
-    N: Any = None
-    h: Any = None
-    source: Any = None
-    points: Any = None
-    shared: Any = None
-    lost: int = 0
-
-
-def explore(form: Canonical, active: Any, guess: Any, margins: Any, settings: MpQpSettings) -> Explored:
-    """Law, region and facets of an active set; `guess` is a point near the region."""
-    violation, angle = settings.violation, settings.angle
-    regular, v, multipliers = stationary(form.M, form.b, form.c, active, angle)
-    if not regular:
-        return Explored(DEPENDENT)
-    possible, N, h, source = region_rows(form.M, form.b, form.domain, active, v, multipliers, settings.zero)
-    if not possible:
-        return Explored(EMPTY)
-    status, centre = inner_point(N, h, guess, margins, violation, angle)
-    if status != FOUND:
-        return Explored(UNCLEAR if status == LOST else EMPTY)
-    first = same_rows(N, h, settings.same)
-    own = np.flatnonzero(first == np.arange(len(first)))
-    is_facet, points, lost = facets(N[own], h[own], centre, settings.radius, violation, angle)
-    chosen = np.flatnonzero(is_facet)
-    rows = own[chosen]
-    shared = np.bincount(first, minlength=len(first))[rows] > 1
-    return Explored(REGION, v, centre, N[rows], h[rows], source[rows], points[chosen], shared, int(lost))

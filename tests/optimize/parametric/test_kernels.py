@@ -8,11 +8,14 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from hysdel_py.geometry.polyhedron import Polyhedron
+from hysdel_py.optimize.parametric import vectors
 from hysdel_py.optimize.parametric.cover import uncovered_point
 from hysdel_py.optimize.parametric.facets import facets, inner_point, same_rows
-from hysdel_py.optimize.parametric.factor import append, factor, remove, solve_lower, solve_upper
+from hysdel_py.optimize.parametric.factor import append, factor, remove
+from hysdel_py.optimize.parametric.frontier import Frontier
 from hysdel_py.optimize.parametric.nearest import FOUND, NONE, nearest
 from hysdel_py.optimize.parametric.settings import MpQpSettings
+from hysdel_py.optimize.parametric.vectors import solve_lower, solve_upper
 
 SEEDS = st.integers(0, 10_000)
 
@@ -53,8 +56,11 @@ def test_the_factor_stops_at_a_dependent_row():
 def test_triangular_systems():
     R = np.triu(np.random.default_rng(0).normal(size=(4, 4))) + 3 * np.eye(4)
     right = np.ones((4, 2))
-    assert np.allclose(R @ solve_upper(R, 4, right), right)
-    assert np.allclose(R.T @ solve_lower(R, 4, right), right)
+    upper, lower = right.copy(), right.copy()
+    solve_upper(R, 4, upper)
+    solve_lower(R, 4, lower)
+    assert np.allclose(R @ upper, right)
+    assert np.allclose(R.T @ lower, right)
 
 
 @settings(max_examples=60, deadline=None)
@@ -118,3 +124,57 @@ def test_an_uncovered_point_is_found_and_a_cover_is_recognised():
     point = uncovered_point(square, [left], 1e-7, chosen)
     assert point is not None
     assert 0 < point[0] < 1
+
+
+def steps(rng):
+    """Arguments of every innermost step."""
+    n, m, k = 4, 9, 2
+    N, h, a, d = rng.normal(size=(m, n)), rng.uniform(0.1, 1, m), rng.normal(size=n), rng.normal(size=n + 1)
+    R, square, many = np.triu(rng.normal(size=(n, n))) + 3 * np.eye(n), rng.normal(size=(n, n)), rng.normal(size=(n, 3))
+    lines, twice = rng.normal(size=(m, n + 2)), np.vstack([N[0], N[0] + 1e-3, N[1]])
+    return {
+        "worst_row": (N, h, m - 1, a),
+        "turned": (square, a, k, d),
+        "back_substituted": (R, d, k, np.zeros(n)),
+        "move": (a, square, d, k, 0.7),
+        "reflect": (square, d, k, 0.3),
+        "rotate": (square, 1, k, n, 0.6, 0.8),
+        "first_hit": (N, h, m - 1, a, 1e-9, np.zeros(m)),
+        "solve_upper": (R, n, many),
+        "solve_lower": (R, n, many),
+        "blend": (N, lines, np.zeros((n, n + 2)), -1.0),
+        "differs": (twice, 0, int(rng.integers(1, 3)), 1e-2),
+        "greatest": (N,),
+        "row_lengths": (lines, n),
+    }
+
+
+@settings(max_examples=25, deadline=None)
+@given(SEEDS)
+def test_loops_and_arrays_mean_the_same(seed):
+    for name, arguments in steps(np.random.default_rng(seed)).items():
+        ends = []
+        for form in ("loops", "arrays"):
+            own = [np.array(a) if isinstance(a, np.ndarray) else a for a in arguments]
+            answer = getattr(vectors, f"_{name}_{form}")(*own)
+            ends.append([np.zeros(1) if answer is None else answer, *own])
+        for one, other in zip(*ends, strict=True):
+            assert np.allclose(one, other), name
+
+
+def test_every_step_has_both_forms():
+    forms = {name[1:-6] for name in vars(vectors) if name.endswith("_loops")}
+    assert forms == set(steps(np.random.default_rng(0))) == {name[1:-7] for name in vars(vectors) if "_arrays" in name}
+
+
+def test_the_frontier_keeps_every_set_once_and_in_order():
+    rng = np.random.default_rng(0)
+    frontier, numbers = Frontier.empty(3, 2), {}
+    for _ in range(20):
+        sets = np.sort(rng.integers(0, 9, (40, 3)), axis=1)
+        found = frontier.add(sets, rng.normal(size=(40, 2)))
+        expected = [numbers.setdefault(tuple(row), len(numbers)) for row in sets.tolist()]
+        assert found.tolist() == expected
+    assert frontier.count == len(numbers) > 64
+    assert [tuple(row) for row in frontier.sets[: frontier.count].tolist()] == list(numbers)
+    assert frontier.row((4, 7)).tolist() == [4, 7, -1]

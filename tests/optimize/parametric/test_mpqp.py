@@ -5,12 +5,13 @@ from __future__ import annotations
 import os
 import subprocess
 import sys
-from concurrent.futures import Future, ThreadPoolExecutor
+from dataclasses import replace
 from itertools import combinations
 from pathlib import Path
 
 import numpy as np
 import pytest
+from degenerate import KINDS, swept
 from problems import EXPECTED, FACTS, benchmark, boxed, fact, of_random_numbers, of_small_integers
 
 from hysdel_py.control.explicit_law import ExplicitLaw
@@ -18,8 +19,7 @@ from hysdel_py.errors import ArgumentError
 from hysdel_py.geometry.polyhedron import Polyhedron
 from hysdel_py.optimize.compiled import kernels_are_compiled
 from hysdel_py.optimize.mpqp import MpQp, MpQpSettings, solve_mpqp
-from hysdel_py.optimize.parametric import records
-from hysdel_py.optimize.parametric.exploration import Stop
+from hysdel_py.optimize.parametric import exploration
 
 QUICK = ("a_di_N2", "a_di_N3", "a_di_N5", "c_pend_N3", "d_afti_N2", "e_rnd0_z3t2", "e_rnd1_z4t2", "f_thesis",
          "g_ahmadi_ex2", "g_bemporad02")  # fmt: skip
@@ -41,7 +41,14 @@ def test_a_thorough_look_beyond_every_facet_finds_nothing_more(name):
 
 
 def test_a_region_that_exchange_misses_is_found_beyond_a_facet(monkeypatch):
-    monkeypatch.setattr(records, "sets_beyond", lambda form, active, source, tolerance: [((),)] * len(source))
+    whole = exploration.explore_chunk
+
+    def without_candidates(*arguments):
+        batch = whole(*arguments)
+        batch.kinds[:, 2] = 0
+        return replace(batch, candidates=batch.candidates[:0])
+
+    monkeypatch.setattr(exploration, "explore_chunk", without_candidates)
     solution = solve_mpqp(benchmark("a_di_N3")[0], MpQpSettings(thorough=True))
     assert len(solution.regions) == EXPECTED["a_di_N3"]
     assert solution.complete
@@ -158,61 +165,31 @@ def test_random_problems_full_of_coincidences(kind, seed):
     assert ExplicitLaw.of(solution).certificate(problem, 30, seed).holds()
 
 
-class Backwards:
-    """An executor that runs the last submitted task first."""
-
-    def __init__(self):
-        self.pending = []
-
-    def submit(self, function, *arguments):
-        future = Future()
-        future.result = lambda timeout=None: self.value(future)
-        self.pending.append((future, function, arguments))
-        self.values = {}
-        return future
-
-    def value(self, future):
-        for other, function, arguments in reversed(self.pending):
-            self.values.setdefault(id(other), function(*arguments))
-        return self.values[id(future)]
-
-
-def test_the_answer_does_not_depend_on_the_executor():
+def test_more_rows_than_bits_of_a_word():
     problem, _ = benchmark("e_rnd0_z3t2")
-    settings = MpQpSettings(chunk=2)
-    alone = solve_mpqp(problem, settings)
-    with ThreadPoolExecutor(2) as pool:
-        others = [solve_mpqp(problem, settings, executor=executor) for executor in (pool, Backwards())]
-    for other in others:
-        assert other.complete
-        for a, b in zip(alone.regions, other.regions, strict=True):
-            assert a.active == b.active
-            assert a.A.tobytes() == b.A.tobytes()
-            assert a.K.tobytes() == b.K.tobytes()
+    rng = np.random.default_rng(0)
+    weak = rng.uniform(1.0, 2.0, (200, 1)) * problem.G[rng.integers(0, problem.m, 200)]
+    far = MpQp(problem.H, problem.f, problem.F, np.vstack([problem.G, weak, np.tile(rng.normal(size=(150, 3)), 1)]),
+               np.concatenate([problem.w, np.full(200, 1e3), np.full(150, 30.0)]),
+               np.vstack([problem.S, np.zeros((350, 2))]), problem.theta)  # fmt: skip
+    solution = solve_mpqp(far)
+    assert far.m > 256
+    assert [region.active for region in solution.regions] == [region.active for region in solve_mpqp(problem).regions]
 
 
-def test_a_limit_leaves_a_partial_map():
-    solution = solve_mpqp(benchmark("e_rnd1_z4t2")[0], MpQpSettings(regions=10))
-    assert not solution.complete
-    assert solution.stop is Stop.REGIONS
-    assert len(solution.regions) == 10
-    assert not ExplicitLaw.of(solution).complete
-    assert solve_mpqp(benchmark("e_rnd1_z4t2")[0], MpQpSettings(seconds=1e-9)).stop is Stop.SECONDS
+def test_many_rows_that_all_matter():
+    angles = np.linspace(0, 2 * np.pi, 200, endpoint=False)
+    circle = np.column_stack([np.cos(angles), np.sin(angles)])
+    solution = solve_mpqp(boxed(EYE, -EYE, circle, np.ones(200), size=2.0))
+    assert solution.complete
+    assert len(solution.regions) == 401
 
 
-def test_an_interrupt_leaves_a_partial_map():
-    calls = []
-
-    def progress(found, waiting):
-        calls.append((found, waiting))
-        if len(calls) == 3:
-            raise KeyboardInterrupt
-
-    solution = solve_mpqp(benchmark("e_rnd1_z4t2")[0], progress=progress)
-    assert solution.stop is Stop.INTERRUPTED
-    assert not solution.complete
-    assert 0 < len(solution.regions) < EXPECTED["e_rnd1_z4t2"]
-    assert calls[0][0] == 1
+@pytest.mark.parametrize("kind", KINDS)
+def test_a_sweep_over_degenerate_problems_finds_nothing_wrong(kind):
+    counts = swept(kind, range(100, 108), 20)
+    assert counts.clean, counts
+    assert counts.regions > 8
 
 
 def test_an_infeasible_problem_has_an_empty_map():
