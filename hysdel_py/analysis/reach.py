@@ -11,13 +11,14 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Any, Literal
+from typing import TYPE_CHECKING, Any, Literal, Protocol
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from hysdel_py.analysis.hybrid_set import HybridSet, Piece, Span, box_of, hybrid_set
 from hysdel_py.analysis.pwa_branches import Branch, branches_of
+from hysdel_py.analysis.reach_images import Backward, Forward, greatest
 from hysdel_py.analysis.templates import boxes, template_of
 from hysdel_py.errors import ArgumentError
 from hysdel_py.geometry.polyhedron import Polyhedron
@@ -29,9 +30,8 @@ if TYPE_CHECKING:
 
     from hysdel_py.systems.signals import Variable
 
-__all__ = ["Reach", "reach", "reach_backward"]
+__all__ = ["HasPwa", "Reach", "pwa_of", "reach", "reach_backward"]
 
-Matrix = NDArray[np.float64]
 Sets = Literal["exact", "boxes", "octagons"] | ArrayLike
 Progress = Callable[[int, int], Any]
 
@@ -81,8 +81,32 @@ class Reach:
         return tuple(reversed(modes))
 
 
+class HasPwa(Protocol):
+    """A model that has a piecewise affine form."""
+
+    @property
+    def pwa(self) -> Pwa:
+        """The form."""
+
+
+def pwa_of(system: Pwa | HasPwa) -> Pwa:
+    """The piecewise affine form of a model, or the one that is given.
+
+    Raises
+    ------
+    ArgumentError
+        For anything else, or if the search for the modes was stopped: sets would then be too small.
+    """
+    pwa = system if isinstance(system, Pwa) else getattr(system, "pwa", None)
+    if not isinstance(pwa, Pwa):
+        raise ArgumentError(f"a {type(system).__name__} was given: a Model or Pwa was expected")
+    if not pwa.is_complete:
+        raise ArgumentError("not all modes are known, since the search for them was stopped: raise max_modes")
+    return pwa
+
+
 def reach(
-    pwa: Pwa,
+    system: Pwa | HasPwa,
     x0: Mapping[str, Span] | Polyhedron | HybridSet,
     steps: int,
     *,
@@ -97,7 +121,7 @@ def reach(
 
     Parameters
     ----------
-    pwa : Pwa
+    system : Pwa or Model
     x0 : mapping of name to value or (low, high), Polyhedron over the states, or HybridSet
         States that a mapping does not name may have any value of their range.
     steps : int
@@ -130,11 +154,11 @@ def reach(
     A state that has no successor, because a requirement or a range fails for every input or because it lies in the gap
     of a threshold, has none in the sets.
     """
-    return _run(_Forward, pwa, x0, inputs, _Course(steps, sets, merge, most, executor, progress))
+    return _run(Forward, pwa_of(system), x0, inputs, _Course(steps, sets, merge, most, executor, progress))
 
 
 def reach_backward(
-    pwa: Pwa,
+    system: Pwa | HasPwa,
     target: Mapping[str, Span] | Polyhedron | HybridSet,
     steps: int,
     *,
@@ -149,78 +173,7 @@ def reach_backward(
 
     Parameters and errors are those of :func:`reach`. Enclosures hold more states than can get there.
     """
-    return _run(_Backward, pwa, target, inputs, _Course(steps, sets, merge, most, executor, progress))
-
-
-@dataclass(frozen=True, eq=False, slots=True)
-class _Forward:
-    """Successors of a piece."""
-
-    branches: tuple[Branch, ...]
-    template: Matrix | None
-
-    def __call__(self, numbered: tuple[int, Piece]) -> list[Piece]:
-        number, piece = numbered
-        found = []
-        for branch in self.branches:
-            if branch.word == piece.word:
-                region = self._image(branch, piece.region)
-                if not region.is_empty:
-                    found.append(Piece(branch.next_word, region, branch.mode, number))
-        return found
-
-    def _image(self, branch: Branch, states: Polyhedron) -> Polyhedron:
-        domain = _with_states(branch.region, states)
-        M = np.hstack([branch.A, branch.B])
-        if self.template is None:
-            return domain.image(M, branch.f)
-        return enclosure(domain, self.template @ M, self.template, self.template @ branch.f)
-
-
-@dataclass(frozen=True, eq=False, slots=True)
-class _Backward:
-    """Predecessors of a piece."""
-
-    branches: tuple[Branch, ...]
-    template: Matrix | None
-
-    def __call__(self, numbered: tuple[int, Piece]) -> list[Piece]:
-        number, piece = numbered
-        found = []
-        for branch in self.branches:
-            if branch.next_word == piece.word:
-                region = self._shadow(branch, piece.region)
-                if not region.is_empty:
-                    found.append(Piece(branch.word, region, branch.mode, number))
-        return found
-
-    def _shadow(self, branch: Branch, target: Polyhedron) -> Polyhedron:
-        n = len(branch.f)
-        domain = branch.region & target.preimage(np.hstack([branch.A, branch.B]), branch.f)
-        if self.template is None:
-            return domain.project(range(n))
-        along = np.hstack([self.template, np.zeros((len(self.template), domain.n - n))])
-        return enclosure(domain, along, self.template, np.zeros(len(self.template)))
-
-
-def _with_states(region: Polyhedron, states: Polyhedron) -> Polyhedron:
-    """Points of a region over (v, s) whose states lie in a polyhedron."""
-    return region.with_rows(np.hstack([states.A, np.zeros((states.m, region.n - states.n))]), states.b)
-
-
-def enclosure(domain: Polyhedron, along: Matrix, directions: Matrix, offset: NDArray[np.float64]) -> Polyhedron:
-    """``{v : directions v <= h}`` with h the greatest values of ``along w + offset`` over a domain."""
-    if domain.is_empty:
-        return Polyhedron.empty(directions.shape[1], domain.precision)
-    sides = np.array([_greatest(domain, row) for row in along]) + offset
-    real = np.isfinite(sides)
-    return Polyhedron(directions[real], sides[real], domain.precision)
-
-
-def _greatest(domain: Polyhedron, row: NDArray[np.float64]) -> float:
-    """Greatest value of a linear function, widened by the precision of the linear program."""
-    value = domain.maximise(row).value
-    return float(value + domain.precision.lp * max(1.0, abs(value))) if np.isfinite(value) else np.inf
+    return _run(Backward, pwa_of(system), target, inputs, _Course(steps, sets, merge, most, executor, progress))
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -238,7 +191,7 @@ class _Course:
         if self.steps < 0 or self.most < 1:
             raise ArgumentError(f"steps must be at least 0 and most at least 1; found {self.steps} and {self.most}")
 
-    def each(self, function: _Forward | _Backward, pieces: Sequence[Piece]) -> list[Piece]:
+    def each(self, function: Forward | Backward, pieces: Sequence[Piece]) -> list[Piece]:
         """Results of all pieces, in their order."""
         numbered = list(enumerate(pieces))
         some = map(function, numbered) if self.executor is None else self.executor.map(function, numbered)
@@ -246,7 +199,7 @@ class _Course:
 
 
 def _run(
-    kind: type[_Forward | _Backward],
+    kind: type[Forward | Backward],
     pwa: Pwa,
     given: Mapping[str, Span] | Polyhedron | HybridSet,
     inputs: Mapping[str, Span] | None,
@@ -254,7 +207,7 @@ def _run(
 ) -> Reach:
     template = template_of(course.sets, sum(not v.is_bool for v in pwa.x))
     step = kind(_with_inputs(branches_of(pwa), inputs or {}, pwa.u), template)
-    first = hybrid_set(given, pwa.x, "x0" if kind is _Forward else "target")
+    first = hybrid_set(given, pwa.x, "x0" if kind is Forward else "target")
     return _steps(step, first, course, exact=template is None)
 
 
@@ -270,7 +223,7 @@ def _with_inputs(branches: Sequence[Branch], given: Mapping[str, Span], u: Seque
     )
 
 
-def _steps(step: _Forward | _Backward, first: HybridSet, course: _Course, *, exact: bool) -> Reach:
+def _steps(step: Forward | Backward, first: HybridSet, course: _Course, *, exact: bool) -> Reach:
     found, known, settled, complete = [first], first, None, False
     try:
         for k in range(1, course.steps + 1):
@@ -311,5 +264,5 @@ def _joined(word: tuple[bool, ...], group: list[Piece]) -> list[Piece]:
 
 def _box_around(group: Sequence[Piece]) -> Polyhedron:
     box = boxes(group[0].region.n)
-    sides = [[_greatest(piece.region, row) for row in box] for piece in group]
+    sides = [[greatest(piece.region, row) for row in box] for piece in group]
     return Polyhedron(box, np.max(sides, axis=0))
