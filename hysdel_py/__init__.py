@@ -11,7 +11,9 @@ from hysdel_py.version import __version__
 if TYPE_CHECKING:
     from hysdel_py.analysis.diff import diff
     from hysdel_py.analysis.diff_report import Difference
+    from hysdel_py.analysis.hybrid_set import HybridSet
     from hysdel_py.analysis.margins import Margins
+    from hysdel_py.analysis.reach import Reach, reach, reach_backward
     from hysdel_py.analysis.report import Verification
     from hysdel_py.analysis.verify import verify
     from hysdel_py.analysis.well_posed import WellPosedness, well_posed
@@ -41,6 +43,8 @@ if TYPE_CHECKING:
     from hysdel_py.optimize.node_log import NodeLog
     from hysdel_py.reports.explain_infeasible import explain_infeasible
     from hysdel_py.reports.explanation import Explanation
+    from hysdel_py.reports.safety import can_reach, must_reach
+    from hysdel_py.reports.safety_answer import SafetyAnswer
     from hysdel_py.shipped import shipped_models
     from hysdel_py.systems.dha import Dha
     from hysdel_py.systems.lti import Lti
@@ -51,13 +55,14 @@ if TYPE_CHECKING:
 
 __all__ = [
     "ArgumentError", "CaseFile", "CompileError", "Cost", "Dha", "Difference", "Estimate", "Explanation",
-    "ExplicitLaw", "HybridLaw", "HybridMpc", "HysdelError", "KalmanObserver", "Limits", "LinearCost",
+    "ExplicitLaw", "HybridLaw", "HybridMpc", "HybridSet", "HysdelError", "KalmanObserver", "Limits", "LinearCost",
     "LinearLimits", "LinearMpc", "Lti", "Margins", "Mld", "Model", "Move", "MoveStatus", "MovingHorizonEstimator",
     "MpMiqp", "MpMiqpSettings", "MpQp", "MpQpSettings", "NodeLog", "ParametricSolution", "PolyhedralUnion",
-    "Polyhedron", "Pwa", "SimulationError", "Trajectory", "Verification", "WellPosedness", "__version__", "audit",
-    "closed_loop", "diff", "explain_infeasible", "explicit", "load", "minkowski_sum", "pontryagin_difference",
-    "read_case", "read_json", "shipped_models", "simulate", "solve_mpmiqp", "solve_mpqp", "to_c", "to_dha",
-    "to_mld", "to_pwa", "to_symbolic_mld", "verify", "well_posed", "with_disturbances",
+    "Polyhedron", "Pwa", "Reach", "SafetyAnswer", "SimulationError", "Trajectory", "Verification", "WellPosedness",
+    "__version__", "audit", "can_reach", "closed_loop", "diff", "explain_infeasible", "explicit", "load",
+    "minkowski_sum", "must_reach", "pontryagin_difference", "reach", "reach_backward", "read_case", "read_json",
+    "shipped_models", "simulate", "solve_mpmiqp", "solve_mpqp", "to_c", "to_dha", "to_mld", "to_pwa",
+    "to_symbolic_mld", "verify", "well_posed", "with_disturbances",
 ]  # fmt: skip
 
 _HOME = {
@@ -72,6 +77,7 @@ _HOME = {
     "ExplicitLaw": "control.explicit_law",
     "HybridLaw": "control.hybrid_law",
     "HybridMpc": "control.hybrid_mpc",
+    "HybridSet": "analysis.hybrid_set",
     "HysdelError": "errors",
     "KalmanObserver": "control.observer",
     "Limits": "control.limits",
@@ -94,18 +100,24 @@ _HOME = {
     "PolyhedralUnion": "geometry.union",
     "Polyhedron": "geometry.polyhedron",
     "Pwa": "systems.pwa",
+    "Reach": "analysis.reach",
+    "SafetyAnswer": "reports.safety_answer",
     "SimulationError": "errors",
     "Trajectory": "systems.trajectory",
     "Verification": "analysis.report",
     "WellPosedness": "analysis.well_posed",
     "audit": "model",
+    "can_reach": "reports.safety",
     "closed_loop": "control.closed_loop",
     "diff": "analysis.diff",
     "explain_infeasible": "reports.explain_infeasible",
     "explicit": "control.explicit",
     "load": "model",
     "minkowski_sum": "geometry.relations",
+    "must_reach": "reports.safety",
     "pontryagin_difference": "geometry.relations",
+    "reach": "analysis.reach",
+    "reach_backward": "analysis.reach",
     "read_case": "optimize.case_file",
     "read_json": "export.json_file",
     "shipped_models": "shipped",

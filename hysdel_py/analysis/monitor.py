@@ -18,7 +18,7 @@ from hysdel_py.analysis.encoding import (
     encode_items,
     ranges_by_definition,
 )
-from hysdel_py.analysis.hybrid_set import HybridSet, Span
+from hysdel_py.analysis.hybrid_set import HybridSet, Span, box_of
 from hysdel_py.analysis.milp import Milp
 from hysdel_py.errors import ArgumentError
 from hysdel_py.systems.affine import Affine
@@ -31,9 +31,6 @@ __all__ = ["RESULT", "Monitor", "Signal", "Watch", "monitor_of_intervals", "moni
 
 RESULT = "condition_holds"
 """The auxiliary that tells whether a condition holds."""
-
-Rows = Sequence[tuple[Affine, bool]]
-"""Forms that are at most zero; those that only a Boolean decides are marked."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -99,7 +96,7 @@ class Watch:
 
 
 def watch(
-    problem: Milp, monitor: Monitor, places: Mapping[str, Places], ranges: Ranges, time: int, band: Distance
+    problem: Milp, monitor: Monitor, places: Mapping[str, Places], ranges: Ranges, *, time: int, band: Distance
 ) -> Watch:
     """Add the rows of a condition.
 
@@ -133,8 +130,6 @@ def signals_of(dha: Dha) -> dict[str, Signal]:
 
 def monitor_of_intervals(given: Mapping[str, Span], dha: Dha, what: str) -> Monitor:
     """The condition that each named signal lies in its interval."""
-    from hysdel_py.analysis.hybrid_set import box_of
-
     signals = signals_of(dha)
     chosen = {name: signals[name] for name in given if name in signals}
     low, high = box_of(given, [s.variable for s in signals.values()], what)

@@ -24,6 +24,7 @@ class Forward:
     template: Matrix | None
 
     def __call__(self, numbered: tuple[int, Piece]) -> list[Piece]:
+        """Pieces behind a piece, which comes with its number."""
         number, piece = numbered
         found = []
         for branch in self.branches:
@@ -49,6 +50,7 @@ class Backward:
     template: Matrix | None
 
     def __call__(self, numbered: tuple[int, Piece]) -> list[Piece]:
+        """Pieces before a piece, which comes with its number."""
         number, piece = numbered
         found = []
         for branch in self.branches:

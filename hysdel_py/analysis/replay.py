@@ -49,6 +49,7 @@ def replayed(
     problem: Milp,
     wishes: Sequence[Wish],
     w: Vector,
+    *,
     course: tuple[int, float],
     tolerances: SearchTolerances,
 ) -> Replay:

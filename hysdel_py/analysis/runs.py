@@ -87,7 +87,7 @@ class Runs:
         if time < len(self.steps):
             step = self.steps[time]
             places |= {"u": self.inputs[time], "y": step.outputs, "d": step.values, "z": step.values}
-        return watch(self.problem, monitor, places, self.ranges[time], time, distance(self.apart))
+        return watch(self.problem, monitor, places, self.ranges[time], time=time, band=distance(self.apart))
 
 
 def start_runs(dha: Dha, box: Mapping[str, Span], inputs: Mapping[str, Span], apart: float) -> Runs:

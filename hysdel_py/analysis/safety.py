@@ -132,7 +132,15 @@ class Searcher:
         answer = problem.search(seconds=self.clock.left)
         if answer.status is not Status.FOUND:
             return _without_point(answer)
-        found = replayed(self.question.dha, runs, problem, wishes, answer.w, (steps, self.question.ts), self.tolerances)
+        found = replayed(
+            self.question.dha,
+            runs,
+            problem,
+            wishes,
+            answer.w,
+            course=(steps, self.question.ts),
+            tolerances=self.tolerances,
+        )
         if found.run is None:
             return _Attempt(Verdict.NOT_SETTLED, found.message, run_refused=True)
         time = times[0] if meets and times else None

@@ -15,7 +15,7 @@ from hysdel_py.model import Model
 from hysdel_py.systems.trajectory import Trajectory
 
 __all__ = [
-    "add_files", "check_files", "check_target", "clear_progress", "emit_trajectory", "print_json", "progress_line",
+    "add_files", "check_files", "check_picture", "check_target", "clear_progress", "emit_trajectory", "print_json", "progress_line",
     "table", "without_nonfinite",
 ]  # fmt: skip
 
@@ -41,9 +41,15 @@ def check_files(options: argparse.Namespace) -> None:
     DataError
         matplotlib is not installed.
     """
-    for option in ("csv", "plot"):
-        if getattr(options, option):
-            check_target(Path(getattr(options, option)), f"--{option}")
+    if options.csv:
+        check_target(Path(options.csv), "--csv")
+    check_picture(options)
+
+
+def check_picture(options: argparse.Namespace) -> None:
+    """Find out whether the picture that is asked for can be written; errors as of :func:`check_files`."""
+    if options.plot:
+        check_target(Path(options.plot), "--plot")
     if options.plot and Path(options.plot).suffix.lower() not in PICTURES:
         raise ArgumentError(f"--plot {options.plot}: a name that ends in {', '.join(PICTURES)} was expected")
     if options.plot and not _has_matplotlib():

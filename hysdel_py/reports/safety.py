@@ -83,7 +83,7 @@ def can_reach(
     >>> can_reach(model, {"level": 0.1}, "level >= 0.45", 20).verdict
     'unreachable'
     """
-    searcher = _searcher(model, x0, target, steps, inputs, seconds)
+    searcher = _searcher(model, x0, target, steps, inputs=inputs, seconds=seconds)
     found = earliest_meeting(searcher, progress)
     verdict = {
         Verdict.RUN: SafetyVerdict.REACHABLE,
@@ -128,7 +128,7 @@ def must_reach(
     >>> must_reach(model, {"level": 0}, "level >= 0.25", 8).verdict
     'avoidable'
     """
-    searcher = _searcher(model, x0, target, steps, inputs, seconds)
+    searcher = _searcher(model, x0, target, steps, inputs=inputs, seconds=seconds)
     found, length = longest_avoidance(searcher, progress)
     if found.verdict is Verdict.NONE:
         return _inevitable(model, searcher, length)
@@ -155,7 +155,7 @@ def _answer(model: Model, searcher: Searcher, verdict: SafetyVerdict, found: Fou
 
 
 def _searcher(
-    model: Model, x0: Start, target: Condition, steps: int, inputs: Mapping[str, Span] | None, seconds: float
+    model: Model, x0: Start, target: Condition, steps: int, *, inputs: Mapping[str, Span] | None, seconds: float
 ) -> Searcher:
     if not isinstance(model, Model):
         raise ArgumentError(f"a {type(model).__name__} was given: a Model was expected, as load() returns it")
@@ -170,9 +170,9 @@ def _searcher(
     return Searcher(question, Clock(seconds))
 
 
-def _counted(steps: object, target: Monitor) -> int:
+def _counted(steps: int, target: Monitor) -> int:
     try:
-        count = -1 if isinstance(steps, bool) else index(steps)  # type: ignore[arg-type]
+        count = -1 if isinstance(steps, bool) else index(steps)
     except TypeError:
         count = -1
     least = 1 if target.needs_step else 0
@@ -194,5 +194,5 @@ def _start(model: Model, x0: Start) -> tuple[Mapping[str, Span], Monitor | None]
         return x0.ranges(), condition_of(x0, model, "x0")
     if hasattr(x0, "bounding_box"):
         return {}, condition_of(x0, model, "x0")
-    values = as_vector(x0, model.dha.x, "state")  # type: ignore[arg-type]
+    values = as_vector(x0, model.dha.x, "state")
     return {v.name: float(value) for v, value in zip(model.dha.x, values, strict=True)}, None
