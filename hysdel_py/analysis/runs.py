@@ -39,8 +39,9 @@ class Runs:
     ----------
     dha : Dha
         With the inputs narrowed to what is allowed.
-    apart : float
-        Zero for closed rows.
+    apart, target_apart : float
+        How far false events keep away from their thresholds, those of the model and those of conditions; zero for
+        closed rows.
     problem : Milp
     states, inputs : list of mapping of name to number
     steps : list of Step
@@ -50,6 +51,7 @@ class Runs:
 
     dha: Dha
     apart: float
+    target_apart: float
     problem: Milp = field(default_factory=Milp)
     states: list[Places] = field(default_factory=list)
     inputs: list[Places] = field(default_factory=list)
@@ -87,13 +89,17 @@ class Runs:
         if time < len(self.steps):
             step = self.steps[time]
             places |= {"u": self.inputs[time], "y": step.outputs, "d": step.values, "z": step.values}
-        return watch(self.problem, monitor, places, self.ranges[time], time=time, band=distance(self.apart))
+        return watch(self.problem, monitor, places, self.ranges[time], time=time, band=distance(self.target_apart))
 
 
-def start_runs(dha: Dha, box: Mapping[str, Span], inputs: Mapping[str, Span], apart: float) -> Runs:
+def start_runs(
+    dha: Dha, box: Mapping[str, Span], inputs: Mapping[str, Span], apart: float, target_apart: float
+) -> Runs:
     """Runs of no step yet, from a box of states; states and inputs that are not named have their declared range."""
     allowed = _allowed(inputs, dha.u, "inputs")
-    runs = Runs(replace(dha, u=tuple(replace(v, low=low, high=high) for v, (low, high) in allowed.items())), apart)
+    runs = Runs(
+        replace(dha, u=tuple(replace(v, low=low, high=high) for v, (low, high) in allowed.items())), apart, target_apart
+    )
     ends = _allowed(box, dha.x, "x0")
     runs.states.append(_variables(runs.problem, ends))
     runs.ranges.append({f"x.{v.name}": interval for v, interval in ends.items()})
@@ -137,11 +143,13 @@ def _result(dha: Dha, variable: Variable, ranges: Mapping[str, Interval]) -> Int
 
 
 def _within(interval: Interval, variable: Variable, tolerance: float) -> Interval:
-    """The declared range counts up to the tolerance that the simulator grants."""
+    """Within the declared range; an interval that misses it by no more than the simulator grants is its end."""
     if variable.is_bool:
         return interval
-    low, high = _widened((variable.low, variable.high), tolerance)
-    return max(interval[0], low), min(interval[1], high)
+    low, high = max(interval[0], variable.low), min(interval[1], variable.high)
+    if low > high and low - high <= tolerance * max(1.0, abs(low)):
+        return (variable.low, variable.low) if low == variable.low else (variable.high, variable.high)
+    return low, high
 
 
 def _widened(interval: Interval, share: float) -> Interval:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from enum import Enum
 from typing import Any
 
@@ -77,7 +77,8 @@ class Found:
     message : str
         Why it is not settled.
     borderline : bool
-        Whether the run meets what is asked only up to the tolerance of the solver.
+        Whether the run meets what is asked only up to the tolerance of the solver, or there is none only among those
+        that pass the thresholds of the target by more than a small distance.
     """
 
     verdict: Verdict
@@ -85,6 +86,14 @@ class Found:
     time: int | None = None
     message: str = ""
     borderline: bool = False
+
+
+Apart = tuple[float, float]
+"""How far events of the model, and of the target, keep away from their thresholds where they are false."""
+
+_ONLY_TOUCHED = (
+    "runs may touch a threshold of the condition, but none passes it by more than {:g} of the size of its row"
+)
 
 
 @dataclass(slots=True)
@@ -103,24 +112,32 @@ class Searcher:
     clock: Clock
     tolerances: SearchTolerances = DEFAULT_SEARCH_TOLERANCES
     calls: int = 0
-    _runs: dict[float, Runs] = field(default_factory=dict)
-    _watches: dict[tuple[float, int], Watch] = field(default_factory=dict)
+    _runs: dict[Apart, Runs] = field(default_factory=dict)
+    _watches: dict[tuple[Apart, int], Watch] = field(default_factory=dict)
 
     def run(self, steps: int, times: Sequence[int], *, meets: bool) -> Found:
         """A run of so many steps that meets the target at each of some times, or at none of them.
 
-        The closed rows prove that there is none. Where their point is no run, for it stands on the wrong side of a
-        threshold, a second search keeps away from the thresholds.
+        The closed rows prove that there is none. Where their point is no run, since it stands on the wrong side of a
+        threshold, two more searches follow: one for the runs that pass the thresholds of the target by a little more,
+        which can prove that no run does, and one that keeps away from the thresholds of the model as well.
         """
-        closed = self._search(0.0, steps, times, meets)
-        if closed.verdict is not Verdict.NOT_SETTLED or not closed.run_refused:
-            return closed.found
-        apart = self._search(self.tolerances.apart, steps, times, meets)
-        if apart.verdict is Verdict.NONE:
-            return Found(Verdict.NOT_SETTLED, message="only runs that touch a threshold are left: " + closed.message)
-        return apart.found
+        apart, first = self.tolerances.apart, _NOTHING_YET
+        for of_model, of_target in ((0.0, 0.0), (0.0, apart), (apart, apart)):
+            found, refused = self._search((of_model, of_target), steps, times, meets)
+            if found.verdict is Verdict.NONE and of_model:
+                break
+            if found.verdict is Verdict.NONE:
+                return found if not of_target else replace(found, borderline=True, message=_ONLY_TOUCHED.format(apart))
+            if found.verdict is Verdict.RUN and not found.borderline:
+                return found
+            first = found if first.verdict is Verdict.NOT_SETTLED else first
+            if not refused:
+                break
+        return first
 
-    def _search(self, apart: float, steps: int, times: Sequence[int], meets: bool) -> _Attempt:
+    def _search(self, apart: Apart, steps: int, times: Sequence[int], meets: bool) -> tuple[Found, bool]:
+        """What one search gave; second, whether another one that keeps apart may give more."""
         runs = self._grown(apart, steps)
         wishes = [Wish(self._watch(apart, time), meets) for time in times]
         if self.question.start is not None:
@@ -131,22 +148,15 @@ class Searcher:
         self.calls += 1
         answer = problem.search(seconds=self.clock.left)
         if answer.status is not Status.FOUND:
-            return _without_point(answer)
-        found = replayed(
-            self.question.dha,
-            runs,
-            problem,
-            wishes,
-            answer.w,
-            course=(steps, self.question.ts),
-            tolerances=self.tolerances,
-        )
-        if found.run is None:
-            return _Attempt(Verdict.NOT_SETTLED, found.message, run_refused=True)
+            return _without_point(answer), False
+        course = (steps, self.question.ts)
+        replay = replayed(self.question.dha, runs, problem, wishes, answer.w, course=course, tolerances=self.tolerances)
+        if replay.run is None:
+            return Found(Verdict.NOT_SETTLED, message=replay.message), True
         time = times[0] if meets and times else None
-        return _Attempt(Verdict.RUN, run=found.run, borderline=found.borderline, time=time)
+        return Found(Verdict.RUN, replay.run, time, borderline=replay.borderline), replay.borderline
 
-    def _grown(self, apart: float, steps: int) -> Runs:
+    def _grown(self, apart: Apart, steps: int) -> Runs:
         question = self.question
         if apart not in self._runs:
             self._runs[apart] = start_runs(question.dha, question.box, question.inputs, apart)
@@ -155,57 +165,52 @@ class Searcher:
             runs.grow()
         return runs
 
-    def _watch(self, apart: float, time: int) -> Watch:
+    def _watch(self, apart: Apart, time: int) -> Watch:
         if (apart, time) not in self._watches:
             self._watches[apart, time] = self._runs[apart].watch(self.question.target, time)
         return self._watches[apart, time]
 
-    def _start(self, apart: float) -> Watch:
+    def _start(self, apart: Apart) -> Watch:
         assert self.question.start is not None  # asked for only then
         if (apart, -1) not in self._watches:
             self._watches[apart, -1] = self._runs[apart].watch(self.question.start, 0)
         return self._watches[apart, -1]
 
 
-@dataclass(frozen=True, eq=False, slots=True)
-class _Attempt:
-    """What one search gave."""
-
-    verdict: Verdict
-    message: str = ""
-    run_refused: bool = False
-    run: Trajectory | None = None
-    borderline: bool = False
-    time: int | None = None
-
-    @property
-    def found(self) -> Found:
-        return Found(self.verdict, self.run, self.time, self.message, self.borderline)
+_NOTHING_YET = Found(Verdict.NOT_SETTLED)
 
 
-def _without_point(answer: Answer) -> _Attempt:
+def _without_point(answer: Answer) -> Found:
     if answer.status is Status.NONE:
-        return _Attempt(Verdict.NONE)
-    return _Attempt(Verdict.NOT_SETTLED, "the search ended without an answer within its time")
+        return Found(Verdict.NONE)
+    return Found(Verdict.NOT_SETTLED, message="the search ended without an answer within its time")
 
 
 def earliest_meeting(searcher: Searcher, progress: Progress | None = None) -> Found:
     """A run that meets the target as early as possible, or that there is none within the steps.
 
-    Times are tried one after the other; those that could not be settled are told in the message.
+    Times are tried one after the other; the first that could not be settled is told in the message.
     """
-    target, unsettled = searcher.question.target, ""
+    target, answer = searcher.question.target, Found(Verdict.NONE)
     for time in searcher.question.times:
         found = searcher.run(time + target.needs_step, (time,), meets=True)
-        if found.verdict is Verdict.RUN:
+        if found.verdict is Verdict.RUN and not found.borderline:
             return found
-        if found.verdict is Verdict.NOT_SETTLED and not unsettled:
-            unsettled = f"step {time}: {found.message}"
+        answer = _worse(answer, replace(found, message=f"step {time}: {found.message}"))
         if progress is not None:
             progress(time, searcher.calls)
         if searcher.clock.is_over:
-            return Found(Verdict.NOT_SETTLED, message=unsettled or f"the time was over after step {time}")
-    return Found(Verdict.NOT_SETTLED if unsettled else Verdict.NONE, message=unsettled)
+            return _worse(answer, Found(Verdict.NOT_SETTLED, message=f"the time was over after step {time}"))
+    return answer
+
+
+_ORDER = (Verdict.NONE, Verdict.NOT_SETTLED, Verdict.RUN)
+
+
+def _worse(first: Found, second: Found) -> Found:
+    """The one that says less for the absence of runs; the first of equal ones."""
+    rank, other = ((_ORDER.index(found.verdict), found.borderline) for found in (first, second))
+    return first if rank >= other else second
 
 
 def longest_avoidance(searcher: Searcher, progress: Progress | None = None) -> tuple[Found, int]:

@@ -15,8 +15,8 @@ from hysdel_py.model import Model
 from hysdel_py.systems.trajectory import Trajectory
 
 __all__ = [
-    "add_files", "check_files", "check_picture", "check_target", "clear_progress", "emit_trajectory", "print_json", "progress_line",
-    "table", "without_nonfinite",
+    "add_files", "check_files", "check_picture", "check_target", "clear_progress", "emit_trajectory", "print_json",
+    "progress_line", "table", "without_nonfinite",
 ]  # fmt: skip
 
 PICTURES = (".png", ".pdf", ".svg", ".jpg")

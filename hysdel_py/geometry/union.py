@@ -7,13 +7,16 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
 from hysdel_py.errors import ArgumentError
 from hysdel_py.geometry.polyhedron import Polyhedron
 from hysdel_py.geometry.relations import includes
 
 __all__ = ["PolyhedralUnion", "difference"]
+
+_INWARDS = 0.99
+"""Share of the way from the centre to a corner at which the corner is judged."""
 
 _SAME_VOLUME = 1e-9
 """Relative difference of volumes of two sets that are the same."""
@@ -132,6 +135,8 @@ class PolyhedralUnion:
         if polyhedron.dimension < polyhedron.n:
             return any(includes(part, polyhedron) for part in self.parts)
         meeting = [part for part in self.parts if _overlap(polyhedron, part)]
+        if _sticks_out(polyhedron, meeting):
+            return False
         return next(_remaining(polyhedron, meeting), None) is None
 
     @cached_property
@@ -176,19 +181,46 @@ class PolyhedralUnion:
     def merged(self) -> PolyhedralUnion:
         """The same union with neighbours whose union is convex joined, until no two are left."""
         parts = list(self.reduced().parts)
-        while (pair := _joinable(parts)) is not None:
-            i, j, joined = pair
-            parts = [part for k, part in enumerate(parts) if k not in {i, j}] + [joined]
+        done = 0  # no two of the first so many parts can be joined
+        while done < len(parts):
+            found = _joinable(parts[:done], parts[done])
+            if found is None:
+                done += 1
+            else:
+                i, joined = found
+                parts = [*parts[:i], *parts[i + 1 : done], *parts[done + 1 :], joined]
+                done -= 1
         return PolyhedralUnion(tuple(parts))
 
 
-def _joinable(parts: list[Polyhedron]) -> tuple[int, int, Polyhedron] | None:
-    for i, first in enumerate(parts):
-        for j in range(i + 1, len(parts)):
-            joined = _joined(first, parts[j]) if _touch(first, parts[j]) else None
-            if joined is not None:
-                return i, j, joined
+def _joinable(parts: list[Polyhedron], last: Polyhedron) -> tuple[int, Polyhedron] | None:
+    """The first part that makes a convex union with another one, and that union."""
+    for i, part in enumerate(parts):
+        joined = _joined(part, last) if _touch(part, last) else None
+        if joined is not None:
+            return i, joined
     return None
+
+
+def _sticks_out(polyhedron: Polyhedron, parts: Sequence[Polyhedron]) -> bool:
+    """Whether a corner, moved a little inwards, lies clearly outside all parts.
+
+    Then a small ball around it is left over. It costs no linear program; that no corner does so proves nothing.
+    """
+    if not polyhedron.is_bounded:
+        return False
+    points = polyhedron.ball.centre + _INWARDS * (polyhedron.vertices - polyhedron.ball.centre)
+    far = 4.0 * polyhedron.precision.empty
+    outside = _least_slack(polyhedron, points) > far
+    for part in parts:
+        outside &= _least_slack(part, points) < -far
+    return bool(outside.any())
+
+
+def _least_slack(polyhedron: Polyhedron, points: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Distance of each point to the nearest row, negative outside."""
+    lengths = np.where(polyhedron.lengths > 0, polyhedron.lengths, np.inf)
+    return np.asarray(np.min((polyhedron.b - points @ polyhedron.A.T) / lengths, axis=1, initial=np.inf))
 
 
 def _touch(first: Polyhedron, second: Polyhedron) -> bool:
@@ -197,11 +229,20 @@ def _touch(first: Polyhedron, second: Polyhedron) -> bool:
     return bool(np.all(np.minimum(high, other_high) - np.maximum(low, other_low) >= -first.precision.empty))
 
 
+def _leave_a_dent(first: Polyhedron, second: Polyhedron) -> bool:
+    """Whether the middle between two corners lies clearly outside both polyhedra, so that their union is not convex."""
+    middles = (first.vertices[:, None] + second.vertices[None]).reshape(-1, first.n) / 2.0
+    far = -4.0 * first.precision.empty
+    return bool(np.any((_least_slack(first, middles) < far) & (_least_slack(second, middles) < far)))
+
+
 def _joined(first: Polyhedron, second: Polyhedron) -> Polyhedron | None:
     """The union of two polyhedra if it is convex; for bounded ones with inner points the volumes tell."""
     pair = PolyhedralUnion((first, second))
     if not (pair.is_bounded and pair.is_full_dimensional):
         return pair.envelope if (first & second).dimension >= first.n - 1 and pair.is_convex else None
+    if _leave_a_dent(first, second):
+        return None
     apart = first.volume + second.volume
     missing = pair.envelope.volume - apart
     if missing > _SAME_VOLUME * apart:

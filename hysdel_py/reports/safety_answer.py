@@ -97,7 +97,7 @@ class SafetyAnswer:
         said = _SAID[self.outcome].format(time=self.time, steps=self.steps, message=self.message)
         lines = [f"{self.model.name}: {self.target}", said]
         if self.borderline:
-            lines.append("borderline: only up to the tolerance of the solver")
+            lines.append(f"borderline: {self.message or 'only up to the tolerance of the solver'}")
         if self.run is not None:
             lines += ["", *_table(self.run), *_changes(self.run, self.model)]
         return "\n".join(lines) + "\n"
