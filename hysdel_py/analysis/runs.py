@@ -92,14 +92,13 @@ class Runs:
         return watch(self.problem, monitor, places, self.ranges[time], time=time, band=distance(self.target_apart))
 
 
-def start_runs(
-    dha: Dha, box: Mapping[str, Span], inputs: Mapping[str, Span], apart: float, target_apart: float
-) -> Runs:
-    """Runs of no step yet, from a box of states; states and inputs that are not named have their declared range."""
+def start_runs(dha: Dha, box: Mapping[str, Span], inputs: Mapping[str, Span], apart: tuple[float, float]) -> Runs:
+    """Runs of no step yet, from a box of states; states and inputs that are not named have their declared range.
+
+    `apart` holds the two distances that :class:`Runs` names.
+    """
     allowed = _allowed(inputs, dha.u, "inputs")
-    runs = Runs(
-        replace(dha, u=tuple(replace(v, low=low, high=high) for v, (low, high) in allowed.items())), apart, target_apart
-    )
+    runs = Runs(replace(dha, u=tuple(replace(v, low=low, high=high) for v, (low, high) in allowed.items())), *apart)
     ends = _allowed(box, dha.x, "x0")
     runs.states.append(_variables(runs.problem, ends))
     runs.ranges.append({f"x.{v.name}": interval for v, interval in ends.items()})
