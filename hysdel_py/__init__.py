@@ -12,6 +12,7 @@ if TYPE_CHECKING:
     from hysdel_py.analysis.diff import diff
     from hysdel_py.analysis.diff_report import Difference
     from hysdel_py.analysis.hybrid_set import HybridSet
+    from hysdel_py.analysis.invariance import Invariant, feasible_states, invariant_set
     from hysdel_py.analysis.margins import Margins
     from hysdel_py.analysis.reach import Reach, reach, reach_backward
     from hysdel_py.analysis.report import Verification
@@ -55,14 +56,15 @@ if TYPE_CHECKING:
 
 __all__ = [
     "ArgumentError", "CaseFile", "CompileError", "Cost", "Dha", "Difference", "Estimate", "Explanation",
-    "ExplicitLaw", "HybridLaw", "HybridMpc", "HybridSet", "HysdelError", "KalmanObserver", "Limits", "LinearCost",
-    "LinearLimits", "LinearMpc", "Lti", "Margins", "Mld", "Model", "Move", "MoveStatus", "MovingHorizonEstimator",
-    "MpMiqp", "MpMiqpSettings", "MpQp", "MpQpSettings", "NodeLog", "ParametricSolution", "PolyhedralUnion",
-    "Polyhedron", "Pwa", "Reach", "SafetyAnswer", "SimulationError", "Trajectory", "Verification", "WellPosedness",
-    "__version__", "audit", "can_reach", "closed_loop", "diff", "explain_infeasible", "explicit", "load",
-    "minkowski_sum", "must_reach", "pontryagin_difference", "reach", "reach_backward", "read_case", "read_json",
-    "shipped_models", "simulate", "solve_mpmiqp", "solve_mpqp", "to_c", "to_dha", "to_mld", "to_pwa",
-    "to_symbolic_mld", "verify", "well_posed", "with_disturbances",
+    "ExplicitLaw", "HybridLaw", "HybridMpc", "HybridSet", "HysdelError", "Invariant", "KalmanObserver", "Limits",
+    "LinearCost", "LinearLimits", "LinearMpc", "Lti", "Margins", "Mld", "Model", "Move", "MoveStatus",
+    "MovingHorizonEstimator", "MpMiqp", "MpMiqpSettings", "MpQp", "MpQpSettings", "NodeLog", "ParametricSolution",
+    "PolyhedralUnion", "Polyhedron", "Pwa", "Reach", "SafetyAnswer", "SimulationError", "Trajectory",
+    "Verification", "WellPosedness", "__version__", "audit", "can_reach", "closed_loop", "diff",
+    "explain_infeasible", "explicit", "feasible_states", "invariant_set", "load", "minkowski_sum", "must_reach",
+    "pontryagin_difference", "reach", "reach_backward", "read_case", "read_json", "shipped_models", "simulate",
+    "solve_mpmiqp", "solve_mpqp", "to_c", "to_dha", "to_mld", "to_pwa", "to_symbolic_mld", "verify", "well_posed",
+    "with_disturbances",
 ]  # fmt: skip
 
 _HOME = {
@@ -79,6 +81,7 @@ _HOME = {
     "HybridMpc": "control.hybrid_mpc",
     "HybridSet": "analysis.hybrid_set",
     "HysdelError": "errors",
+    "Invariant": "analysis.invariance",
     "KalmanObserver": "control.observer",
     "Limits": "control.limits",
     "LinearCost": "control.linear_cost",
@@ -112,6 +115,8 @@ _HOME = {
     "diff": "analysis.diff",
     "explain_infeasible": "reports.explain_infeasible",
     "explicit": "control.explicit",
+    "feasible_states": "analysis.invariance",
+    "invariant_set": "analysis.invariance",
     "load": "model",
     "minkowski_sum": "geometry.relations",
     "must_reach": "reports.safety",

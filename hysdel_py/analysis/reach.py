@@ -30,7 +30,7 @@ if TYPE_CHECKING:
 
     from hysdel_py.systems.signals import Variable
 
-__all__ = ["HasPwa", "Reach", "pwa_of", "reach", "reach_backward"]
+__all__ = ["HasPwa", "Progress", "Reach", "pwa_of", "reach", "reach_backward", "tidied"]
 
 Sets = Literal["exact", "boxes", "octagons"] | ArrayLike
 Progress = Callable[[int, int], Any]
@@ -253,6 +253,18 @@ def _tidied(states: HybridSet, course: _Course) -> tuple[HybridSet, bool]:
             group, exact = [Piece(word, _box_around(group))], False
         pieces += group
     return HybridSet(states.x, tuple(pieces)), exact
+
+
+def tidied(states: HybridSet) -> HybridSet:
+    """The same states in fewer pieces."""
+    return HybridSet(
+        states.x,
+        tuple(
+            piece
+            for word, numbers in states.by_word().items()
+            for piece in _joined(word, [states.pieces[i] for i in numbers])
+        ),
+    )
 
 
 def _joined(word: tuple[bool, ...], group: list[Piece]) -> list[Piece]:
