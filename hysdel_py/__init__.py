@@ -13,6 +13,7 @@ if TYPE_CHECKING:
     from hysdel_py.analysis.diff_report import Difference
     from hysdel_py.analysis.hybrid_set import HybridSet
     from hysdel_py.analysis.invariance import Invariant, feasible_states, invariant_set
+    from hysdel_py.analysis.lyapunov import Lyapunov, lyapunov
     from hysdel_py.analysis.margins import Margins
     from hysdel_py.analysis.reach import Reach, reach, reach_backward
     from hysdel_py.analysis.report import Verification
@@ -57,14 +58,14 @@ if TYPE_CHECKING:
 __all__ = [
     "ArgumentError", "CaseFile", "CompileError", "Cost", "Dha", "Difference", "Estimate", "Explanation",
     "ExplicitLaw", "HybridLaw", "HybridMpc", "HybridSet", "HysdelError", "Invariant", "KalmanObserver", "Limits",
-    "LinearCost", "LinearLimits", "LinearMpc", "Lti", "Margins", "Mld", "Model", "Move", "MoveStatus",
+    "LinearCost", "LinearLimits", "LinearMpc", "Lti", "Lyapunov", "Margins", "Mld", "Model", "Move", "MoveStatus",
     "MovingHorizonEstimator", "MpMiqp", "MpMiqpSettings", "MpQp", "MpQpSettings", "NodeLog", "ParametricSolution",
     "PolyhedralUnion", "Polyhedron", "Pwa", "Reach", "SafetyAnswer", "SimulationError", "Trajectory",
     "Verification", "WellPosedness", "__version__", "audit", "can_reach", "closed_loop", "diff",
-    "explain_infeasible", "explicit", "feasible_states", "invariant_set", "load", "minkowski_sum", "must_reach",
-    "pontryagin_difference", "reach", "reach_backward", "read_case", "read_json", "shipped_models", "simulate",
-    "solve_mpmiqp", "solve_mpqp", "to_c", "to_dha", "to_mld", "to_pwa", "to_symbolic_mld", "verify", "well_posed",
-    "with_disturbances",
+    "explain_infeasible", "explicit", "feasible_states", "invariant_set", "load", "lyapunov", "minkowski_sum",
+    "must_reach", "pontryagin_difference", "reach", "reach_backward", "read_case", "read_json", "shipped_models",
+    "simulate", "solve_mpmiqp", "solve_mpqp", "to_c", "to_dha", "to_mld", "to_pwa", "to_symbolic_mld", "verify",
+    "well_posed", "with_disturbances",
 ]  # fmt: skip
 
 _HOME = {
@@ -88,6 +89,7 @@ _HOME = {
     "LinearLimits": "control.linear_limits",
     "LinearMpc": "control.linear_mpc",
     "Lti": "systems.lti",
+    "Lyapunov": "analysis.lyapunov",
     "Margins": "analysis.margins",
     "Mld": "systems.mld",
     "Model": "model",
@@ -118,6 +120,7 @@ _HOME = {
     "feasible_states": "analysis.invariance",
     "invariant_set": "analysis.invariance",
     "load": "model",
+    "lyapunov": "analysis.lyapunov",
     "minkowski_sum": "geometry.relations",
     "must_reach": "reports.safety",
     "pontryagin_difference": "geometry.relations",

@@ -57,7 +57,8 @@ def branches_of(pwa: Pwa) -> tuple[Branch, ...]:
 def _branches_of_mode(pwa: Pwa, mode: Mode, section: Section) -> Iterator[Branch]:
     columns = [column for column, _ in section.booleans]
     choices = [(False, True) if value is None else (value,) for _, value in section.booleans]
-    region = Polyhedron(section.A, section.b + section.gaps)
+    filled = np.array([0.0 if source.holds else source.gap for source in section.sources])
+    region = Polyhedron(section.A, section.b + filled)
     for values in product(*choices):
         yield _branch(pwa, mode, region, dict(zip(columns, values, strict=True)))
 

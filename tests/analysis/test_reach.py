@@ -98,6 +98,18 @@ def test_linear_system_has_the_sets_of_its_exponential():
     assert are_equal(found.sets[5].pieces[0].region, expected, 1e-7)
 
 
+def test_branches_meet_at_their_threshold(relay):
+    """The gap of a threshold is the false side's alone: no state far from the true side takes its branch."""
+    at = 18.0  # cold = T <= 18
+    for offset in (-5e-7, 0.0, 5e-7):
+        found = reach(relay, {"T": at + offset, "on": 1}, 1, inputs={"w": 0})
+        words = {piece.word for piece in found.sets[1].pieces}
+        assert (True,) in words
+        assert relay.locate([at + offset, 1.0], [0.0]) is not None or offset > 0
+    above = reach(relay, {"T": at + 5e-7, "on": 0}, 1, inputs={"w": 0})
+    assert {piece.word for piece in above.sets[1].pieces} == {(False,)}
+
+
 def test_modes_lead_to_a_piece(relay):
     found = reach(relay, {"T": 17, "on": 0}, 3, merge=False)
     x, modes = np.array([17.0, 0.0]), []
