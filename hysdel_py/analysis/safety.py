@@ -196,7 +196,8 @@ def earliest_meeting(searcher: Searcher, progress: Progress | None = None) -> Fo
         found = searcher.run(time + target.needs_step, (time,), meets=True)
         if found.verdict is Verdict.RUN and not found.borderline:
             return found
-        answer = _worse(answer, replace(found, message=f"step {time}: {found.message}"))
+        if found.verdict is not Verdict.NONE or found.borderline:
+            answer = _worse(answer, replace(found, message=f"step {time}: {found.message}"))
         if progress is not None:
             progress(time, searcher.calls)
         if searcher.clock.is_over:

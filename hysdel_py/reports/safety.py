@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import replace
 from operator import index
 from typing import TYPE_CHECKING
 
@@ -60,7 +61,8 @@ def can_reach(
     -------
     SafetyAnswer
         ``reachable`` with the earliest run, which the simulator of the model has confirmed, ``unreachable``, proven to
-        the tolerance of the solver, or ``not settled``. ``print`` shows it.
+        the tolerance of the solver, ``no run`` where not even one step is possible, or ``not settled``. ``print`` shows
+        it.
 
     Raises
     ------
@@ -85,9 +87,10 @@ def can_reach(
     """
     searcher = _searcher(model, x0, target, steps, inputs=inputs, seconds=seconds)
     found = earliest_meeting(searcher, progress)
+    if found.verdict is Verdict.NONE:
+        return _unreachable(model, searcher, found)
     verdict = {
         Verdict.RUN: SafetyVerdict.REACHABLE,
-        Verdict.NONE: SafetyVerdict.UNREACHABLE,
         Verdict.NOT_SETTLED: SafetyVerdict.NOT_SETTLED,
     }[found.verdict]
     return _answer(model, searcher, verdict, found, searcher.question.times[-1])
@@ -134,6 +137,22 @@ def must_reach(
         return _inevitable(model, searcher, length)
     verdict = SafetyVerdict.AVOIDABLE if found.verdict is Verdict.RUN else SafetyVerdict.NOT_SETTLED
     return _answer(model, searcher, verdict, found, length)
+
+
+def _unreachable(model: Model, searcher: Searcher, found: Found) -> SafetyAnswer:
+    """What no run meets says little where runs end early, and nothing where there is none."""
+    question = searcher.question
+    if searcher.run(question.steps, (), meets=True).verdict is not Verdict.NONE:
+        return _answer(model, searcher, SafetyVerdict.UNREACHABLE, found, question.times[-1])
+    first = Searcher(question, searcher.clock).run(min(question.steps, 1), (), meets=True)
+    if first.verdict is Verdict.NONE:
+        return _answer(model, searcher, SafetyVerdict.NO_RUN, found, min(question.steps, 1))
+    ended = replace(found, message=_joined(found.message, f"no run lasts for {question.steps} steps"))
+    return _answer(model, searcher, SafetyVerdict.UNREACHABLE, ended, question.times[-1])
+
+
+def _joined(*parts: str) -> str:
+    return "; ".join(part for part in parts if part)
 
 
 def _inevitable(model: Model, searcher: Searcher, length: int) -> SafetyAnswer:

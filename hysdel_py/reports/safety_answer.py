@@ -57,7 +57,7 @@ class SafetyAnswer:
     borderline : bool
         Whether the run does what was asked only up to the tolerance of the solver.
     message : str
-        Why it is not settled.
+        Why it is not settled or borderline; also that no run lasts for all steps.
     searches : int
         Mixed-integer programs.
     seconds : float
@@ -98,6 +98,8 @@ class SafetyAnswer:
         lines = [f"{self.model.name}: {self.target}", said]
         if self.borderline:
             lines.append(f"borderline: {self.message or 'only up to the tolerance of the solver'}")
+        elif self.message and self.outcome is SafetyVerdict.UNREACHABLE:
+            lines.append(f"note: {self.message}")
         if self.run is not None:
             lines += ["", *_table(self.run), *_changes(self.run, self.model)]
         return "\n".join(lines) + "\n"

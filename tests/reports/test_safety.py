@@ -113,6 +113,17 @@ def test_nothing_is_inevitable_without_a_run():
     assert hys.must_reach(model, {"v": 0.2}, "v >= 0.45", 2).verdict == "inevitable"
 
 
+def test_an_answer_about_no_runs_says_so():
+    model = hys.load(
+        "SYSTEM s { INTERFACE { STATE { REAL v [0, 1]; } }"
+        " IMPLEMENTATION { CONTINUOUS { v = v + 0.3; } MUST { v <= 0.8; } } }"
+    )
+    assert hys.can_reach(model, {"v": 0.9}, "v >= 1", 3).verdict == "no run"
+    short = hys.can_reach(model, {"v": 0.3}, "v >= 0.95", 5)
+    assert short.verdict == "unreachable"
+    assert "no run lasts for 5 steps" in str(short)
+
+
 def test_touching_is_no_passing(tanks):
     """The declared range ends where the condition begins."""
     answer = hys.can_reach(tanks, {"h1": (0.4, 0.6), "h2": 0.3}, "~(h1 <= 0.6)", 3)
