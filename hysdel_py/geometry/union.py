@@ -137,6 +137,8 @@ class PolyhedralUnion:
         meeting = [part for part in self.parts if _overlap(polyhedron, part)]
         if _sticks_out(polyhedron, meeting):
             return False
+        if polyhedron.is_bounded and any(_holds_corners(part, polyhedron) for part in meeting):
+            return True
         return next(_remaining(polyhedron, meeting), None) is None
 
     @cached_property
@@ -215,6 +217,11 @@ def _sticks_out(polyhedron: Polyhedron, parts: Sequence[Polyhedron]) -> bool:
     for part in parts:
         outside &= _least_slack(part, points) < -far
     return bool(outside.any())
+
+
+def _holds_corners(part: Polyhedron, polyhedron: Polyhedron) -> bool:
+    """Whether a part holds all corners of a bounded polyhedron, and so the polyhedron."""
+    return bool(np.all(_least_slack(part, polyhedron.vertices) >= -part.precision.empty))
 
 
 def _least_slack(polyhedron: Polyhedron, points: NDArray[np.float64]) -> NDArray[np.float64]:
