@@ -11,7 +11,11 @@ from hysdel_py.version import __version__
 if TYPE_CHECKING:
     from hysdel_py.analysis.diff import diff
     from hysdel_py.analysis.diff_report import Difference
+    from hysdel_py.analysis.hybrid_set import HybridSet
+    from hysdel_py.analysis.invariance import Invariant, feasible_states, invariant_set
+    from hysdel_py.analysis.lyapunov import Lyapunov, lyapunov
     from hysdel_py.analysis.margins import Margins
+    from hysdel_py.analysis.reach import Reach, reach, reach_backward
     from hysdel_py.analysis.report import Verification
     from hysdel_py.analysis.verify import verify
     from hysdel_py.analysis.well_posed import WellPosedness, well_posed
@@ -80,6 +84,8 @@ if TYPE_CHECKING:
     from hysdel_py.optimize.warm_up import warm_up
     from hysdel_py.reports.explain_infeasible import explain_infeasible
     from hysdel_py.reports.explanation import Explanation
+    from hysdel_py.reports.safety import can_reach, must_reach
+    from hysdel_py.reports.safety_answer import SafetyAnswer
     from hysdel_py.shipped import shipped_models
     from hysdel_py.systems.dha import Dha
     from hysdel_py.systems.lti import Lti
@@ -119,8 +125,10 @@ __all__ = [
     "Gear",
     "HybridLaw",
     "HybridMpc",
+    "HybridSet",
     "HysdelError",
     "Inertia",
+    "Invariant",
     "KalmanObserver",
     "Karnopp",
     "LcpResult",
@@ -132,6 +140,7 @@ __all__ = [
     "LinearMpc",
     "Load",
     "Lti",
+    "Lyapunov",
     "Margins",
     "Mld",
     "Model",
@@ -151,6 +160,8 @@ __all__ = [
     "PolyhedralUnion",
     "Polyhedron",
     "Pwa",
+    "Reach",
+    "SafetyAnswer",
     "SimulationError",
     "Smoothing",
     "SpeedSource",
@@ -166,13 +177,20 @@ __all__ = [
     "WellPosedness",
     "__version__",
     "audit",
+    "can_reach",
     "closed_loop",
     "diff",
     "explain_infeasible",
     "explicit",
+    "feasible_states",
+    "invariant_set",
     "load",
+    "lyapunov",
     "minkowski_sum",
+    "must_reach",
     "pontryagin_difference",
+    "reach",
+    "reach_backward",
     "read_case",
     "read_json",
     "shipped_models",
@@ -223,8 +241,10 @@ _HOME = {
     "Gear": "drivetrain.components",
     "HybridLaw": "control.hybrid_law",
     "HybridMpc": "control.hybrid_mpc",
+    "HybridSet": "analysis.hybrid_set",
     "HysdelError": "errors",
     "Inertia": "drivetrain.components",
+    "Invariant": "analysis.invariance",
     "KalmanObserver": "control.observer",
     "Karnopp": "drivetrain.schemes.options",
     "LcpResult": "optimize.lcp.solve",
@@ -236,6 +256,7 @@ _HOME = {
     "LinearMpc": "control.linear_mpc",
     "Load": "drivetrain.components",
     "Lti": "systems.lti",
+    "Lyapunov": "analysis.lyapunov",
     "Margins": "analysis.margins",
     "Mld": "systems.mld",
     "Model": "model",
@@ -255,6 +276,8 @@ _HOME = {
     "PolyhedralUnion": "geometry.union",
     "Polyhedron": "geometry.polyhedron",
     "Pwa": "systems.pwa",
+    "Reach": "analysis.reach",
+    "SafetyAnswer": "reports.safety_answer",
     "SimulationError": "errors",
     "Smoothing": "drivetrain.schemes.options",
     "SpeedSource": "drivetrain.components",
@@ -269,13 +292,20 @@ _HOME = {
     "WaitState": "drivetrain.schemes.options",
     "WellPosedness": "analysis.well_posed",
     "audit": "model",
+    "can_reach": "reports.safety",
     "closed_loop": "control.closed_loop",
     "diff": "analysis.diff",
     "explain_infeasible": "reports.explain_infeasible",
     "explicit": "control.explicit",
+    "feasible_states": "analysis.invariance",
+    "invariant_set": "analysis.invariance",
     "load": "model",
+    "lyapunov": "analysis.lyapunov",
     "minkowski_sum": "geometry.relations",
+    "must_reach": "reports.safety",
     "pontryagin_difference": "geometry.relations",
+    "reach": "analysis.reach",
+    "reach_backward": "analysis.reach",
     "read_case": "optimize.case_file",
     "read_json": "export.json_file",
     "shipped_models": "shipped",

@@ -11,6 +11,7 @@ from fact_controllers import mpc_eval, pwa_mpc_cost, simulate
 from fact_explicit import mplp_param_cost, mplp_regions, mpqp_regions
 from fact_geometry import polyhedron, pwa, union
 from fact_hybrid_laws import pwa_mpc_explicit
+from fact_reach import feasible_set, function, min_time, reach
 from fact_tools import Fact, array, close
 
 from hysdel_py.optimize.miqp import Miqp, MiqpSettings, solve_miqp
@@ -72,4 +73,8 @@ CHECKS = {
     "polyhedron": polyhedron,
     "union": union,
     "pwa": pwa,
+    "reach": reach,
+    "feasible_set": feasible_set,
+    "min_time": min_time,
+    "function": function,
 }

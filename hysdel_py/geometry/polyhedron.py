@@ -15,6 +15,7 @@ from hysdel_py.geometry.ball import Ball, greatest_ball
 from hysdel_py.geometry.convex_hull import hull_rows, hull_volume
 from hysdel_py.geometry.generators import Generators, generators_of
 from hysdel_py.geometry.lp import LpResult, maximise
+from hysdel_py.geometry.mapping import mapped
 from hysdel_py.geometry.precision import DEFAULT_PRECISION, Precision
 from hysdel_py.geometry.projection import eliminate
 from hysdel_py.geometry.redundancy import irredundant_rows
@@ -282,11 +283,19 @@ class Polyhedron:
         matrix = np.atleast_2d(np.asarray(M, dtype=float))
         if matrix.shape[1] != self.n:
             raise ArgumentError(f"M has shape {matrix.shape}: {self.n} columns were expected")
-        k = len(matrix)
-        link = np.hstack([np.eye(k), -matrix])
-        offset = np.zeros(k) + np.asarray(t, dtype=float)
-        A = np.vstack([np.hstack([np.zeros((self.m, k)), self.A]), link, -link])
-        return Polyhedron(A, np.concatenate([self.b, offset, -offset]), self.precision).project(range(k))
+        offset = np.zeros(len(matrix)) + np.asarray(t, dtype=float)
+        if self.is_empty:
+            return Polyhedron.empty(len(matrix), self.precision)
+        change = mapped(self.A, self.b, matrix)
+        shadow = Polyhedron(change.A, change.b, self.precision).project(range(len(change.chosen)))
+        rest = np.setdiff1d(np.arange(len(matrix)), change.chosen)
+        link = np.eye(len(matrix))[rest]
+        link[:, change.chosen] -= change.weights[rest]
+        A = np.zeros((shadow.m, len(matrix)))
+        A[:, change.chosen] = shadow.A
+        rows = np.vstack([A, link, -link])
+        sides = np.concatenate([shadow.b, np.zeros(2 * len(rest))])
+        return Polyhedron(rows, sides + rows @ offset, self.precision)
 
     def _coordinate(self, i: int) -> int:
         if not 0 <= i < self.n:

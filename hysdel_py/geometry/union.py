@@ -2,18 +2,24 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
 from hysdel_py.errors import ArgumentError
 from hysdel_py.geometry.polyhedron import Polyhedron
 from hysdel_py.geometry.relations import includes
 
 __all__ = ["PolyhedralUnion", "difference"]
+
+_INWARDS = 0.99
+"""Share of the way from the centre to a corner at which the corner is judged."""
+
+_SAME_VOLUME = 1e-9
+"""Relative difference of volumes of two sets that are the same."""
 
 
 def difference(polyhedron: Polyhedron, others: Iterable[Polyhedron]) -> tuple[Polyhedron, ...]:
@@ -23,11 +29,24 @@ def difference(polyhedron: Polyhedron, others: Iterable[Polyhedron]) -> tuple[Po
     and beyond the second, and so on (M. Baotic, "Polytopic computations in constrained optimal control", Automatika 50,
     2009). Parts without inner points are dropped.
     """
-    parts = [] if polyhedron.dimension < polyhedron.n else [polyhedron]
-    for other in others:
-        if other.dimension == other.n:
-            parts = [piece for part in parts for piece in _outside(part, other)]
-    return tuple(parts)
+    return tuple(_remaining(polyhedron, [other for other in others if _overlap(polyhedron, other)]))
+
+
+def _remaining(polyhedron: Polyhedron, others: Sequence[Polyhedron]) -> Iterator[Polyhedron]:
+    """Pieces of a difference, one after the other, so that asking for the first is cheap."""
+    open_pieces = [(polyhedron, 0)] if _has_inner_points(polyhedron) else []
+    while open_pieces:
+        part, level = open_pieces.pop()
+        if level == len(others):
+            yield part
+        else:
+            open_pieces += [(piece, level + 1) for piece in _outside(part, others[level])][::-1]
+
+
+def _overlap(first: Polyhedron, second: Polyhedron) -> bool:
+    """Whether the boxes around two polyhedra have inner points in common."""
+    (low, high), (other_low, other_high) = first.bounding_box, second.bounding_box
+    return bool(np.all(np.minimum(high, other_high) - np.maximum(low, other_low) > first.precision.empty))
 
 
 def _outside(part: Polyhedron, other: Polyhedron) -> Iterator[Polyhedron]:
@@ -39,7 +58,7 @@ def _outside(part: Polyhedron, other: Polyhedron) -> Iterator[Polyhedron]:
     for a, b in zip(cut.A, cut.b, strict=True):
         beyond = rest.with_rows(-a, -b)
         if _has_inner_points(beyond):
-            yield beyond.minimal()
+            yield beyond
             rest = rest.with_rows(a, b)
 
 
@@ -118,7 +137,12 @@ class PolyhedralUnion:
         """
         if polyhedron.dimension < polyhedron.n:
             return any(includes(part, polyhedron) for part in self.parts)
-        return not difference(polyhedron, self.parts)
+        meeting = [part for part in self.parts if _overlap(polyhedron, part)]
+        if _sticks_out(polyhedron, meeting):
+            return False
+        if polyhedron.is_bounded and any(_holds_corners(part, polyhedron) for part in meeting):
+            return True
+        return next(_remaining(polyhedron, meeting), None) is None
 
     @cached_property
     def is_connected(self) -> bool:
@@ -162,18 +186,76 @@ class PolyhedralUnion:
     def merged(self) -> PolyhedralUnion:
         """The same union with neighbours whose union is convex joined, until no two are left."""
         parts = list(self.reduced().parts)
-        while (pair := _joinable(parts)) is not None:
-            i, j, joined = pair
-            parts = [part for k, part in enumerate(parts) if k not in {i, j}] + [joined]
+        done = 0  # no two of the first so many parts can be joined
+        while done < len(parts):
+            found = _joinable(parts[:done], parts[done])
+            if found is None:
+                done += 1
+            else:
+                i, joined = found
+                parts = [*parts[:i], *parts[i + 1 : done], *parts[done + 1 :], joined]
+                done -= 1
         return PolyhedralUnion(tuple(parts))
 
 
-def _joinable(parts: list[Polyhedron]) -> tuple[int, int, Polyhedron] | None:
-    for i, first in enumerate(parts):
-        for j in range(i + 1, len(parts)):
-            if (first & parts[j]).dimension < first.n - 1:
-                continue
-            pair = PolyhedralUnion((first, parts[j]))
-            if pair.is_convex:
-                return i, j, pair.envelope
+def _joinable(parts: list[Polyhedron], last: Polyhedron) -> tuple[int, Polyhedron] | None:
+    """The first part that makes a convex union with another one, and that union."""
+    for i, part in enumerate(parts):
+        joined = _joined(part, last) if _touch(part, last) else None
+        if joined is not None:
+            return i, joined
     return None
+
+
+def _sticks_out(polyhedron: Polyhedron, parts: Sequence[Polyhedron]) -> bool:
+    """Whether a corner, moved a little inwards, lies clearly outside all parts.
+
+    Then a small ball around it is left over. It costs no linear program; that no corner does so proves nothing.
+    """
+    if not polyhedron.is_bounded:
+        return False
+    points = polyhedron.ball.centre + _INWARDS * (polyhedron.vertices - polyhedron.ball.centre)
+    far = 4.0 * polyhedron.precision.empty
+    outside = _least_slack(polyhedron, points) > far
+    for part in parts:
+        outside &= _least_slack(part, points) < -far
+    return bool(outside.any())
+
+
+def _holds_corners(part: Polyhedron, polyhedron: Polyhedron) -> bool:
+    """Whether a part holds all corners of a bounded polyhedron, and so the polyhedron."""
+    return bool(np.all(_least_slack(part, polyhedron.vertices) >= -part.precision.empty))
+
+
+def _least_slack(polyhedron: Polyhedron, points: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Distance of each point to the nearest row, negative outside."""
+    lengths = np.where(polyhedron.lengths > 0, polyhedron.lengths, np.inf)
+    return np.asarray(np.min((polyhedron.b - points @ polyhedron.A.T) / lengths, axis=1, initial=np.inf))
+
+
+def _touch(first: Polyhedron, second: Polyhedron) -> bool:
+    """Whether the boxes around two polyhedra meet."""
+    (low, high), (other_low, other_high) = first.bounding_box, second.bounding_box
+    return bool(np.all(np.minimum(high, other_high) - np.maximum(low, other_low) >= -first.precision.empty))
+
+
+def _leave_a_dent(first: Polyhedron, second: Polyhedron) -> bool:
+    """Whether the middle between two corners lies clearly outside both polyhedra, so that their union is not convex."""
+    middles = (first.vertices[:, None] + second.vertices[None]).reshape(-1, first.n) / 2.0
+    far = -4.0 * first.precision.empty
+    return bool(np.any((_least_slack(first, middles) < far) & (_least_slack(second, middles) < far)))
+
+
+def _joined(first: Polyhedron, second: Polyhedron) -> Polyhedron | None:
+    """The union of two polyhedra if it is convex; for bounded ones with inner points the volumes tell."""
+    pair = PolyhedralUnion((first, second))
+    if not (pair.is_bounded and pair.is_full_dimensional):
+        return pair.envelope if (first & second).dimension >= first.n - 1 and pair.is_convex else None
+    if _leave_a_dent(first, second):
+        return None
+    apart = first.volume + second.volume
+    missing = pair.envelope.volume - apart
+    if missing > _SAME_VOLUME * apart:
+        return None
+    overlap = (first & second).volume if missing < -_SAME_VOLUME * apart else 0.0
+    return pair.envelope if missing + overlap <= _SAME_VOLUME * apart else None

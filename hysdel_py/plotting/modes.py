@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-__all__ = ["clip", "plot_graph", "plot_section"]
+__all__ = ["clip", "new_axes", "plot_graph", "plot_section"]
 
 _LINE = 34
 """Characters in a line of a label."""
@@ -42,7 +42,7 @@ def plot_graph(pwa: Pwa, graph: nx.Graph | nx.DiGraph) -> Figure:
         What :meth:`Pwa.adjacency` or :meth:`Pwa.transitions` returned.
     """
     size = float(np.clip(2.2 * np.sqrt(len(pwa.modes)) + 4.0, 6.0, 24.0))
-    figure, axes = _figure(1.5 * size, size)
+    figure, axes = new_axes(1.5 * size, size)
     places = _layout(graph)
     loops = {first for first, second in graph.edges if first == second}
     short = len(pwa.modes) > _MOST_CONDITIONS
@@ -59,7 +59,8 @@ def plot_graph(pwa: Pwa, graph: nx.Graph | nx.DiGraph) -> Figure:
     return figure
 
 
-def _figure(width: float, height: float) -> tuple[Figure, Axes]:
+def new_axes(width: float, height: float) -> tuple[Figure, Axes]:
+    """A figure with one panel, which belongs to no window."""
     from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.figure import Figure
 
@@ -138,7 +139,7 @@ def plot_section(pwa: Pwa, horizontal: str, vertical: str, at: Mapping[str, floa
     unknown = [name for name in at or {} if name not in variables]
     if unknown:
         raise ArgumentError(f"there is no state or input {', '.join(unknown)}: there are {', '.join(variables)}")
-    figure, axes = _figure(8.0, 5.5)
+    figure, axes = new_axes(8.0, 5.5)
     axes.set(xlim=(across.low, across.high), ylim=(upwards.low, upwards.high))
     for mode in pwa.modes:
         corners = _polygon(mode, (across, upwards), values)

@@ -1,0 +1,96 @@
+"""Invariant and feasible sets: closed forms, random runs and the controller's own answer."""
+
+import numpy as np
+import pytest
+
+import hysdel_py as hys
+from hysdel_py.errors import ArgumentError
+
+SWITCHED = """
+SYSTEM switched {
+INTERFACE { STATE { REAL p [-4, 4]; REAL v [-4, 4]; } INPUT { REAL u [-1, 1]; } }
+IMPLEMENTATION {
+  AUX { BOOL right; REAL gain; }
+  AD { right = p >= 0; }
+  DA { gain = { IF right THEN 0.3*v ELSE -0.2*v }; }
+  CONTINUOUS { p = p + 0.5*v; v = v + gain + u; }
+} }
+"""
+
+
+@pytest.fixture(scope="module")
+def switched():
+    return hys.load(SWITCHED)
+
+
+@pytest.fixture(scope="module")
+def kept(switched):
+    return hys.invariant_set(switched, {"p": (-2, 2), "v": (-2, 2)}, rounds=40)
+
+
+def test_every_corner_can_stay(switched, kept):
+    """From each corner some input leads back into the set; outside of it random inputs never come back for long."""
+    assert kept.is_invariant
+    assert 0 < kept.rounds < 40
+    for piece in kept.states.pieces:
+        for corner in piece.region.vertices:
+            inside = corner + 1e-6 * (piece.region.ball.centre - corner)
+            after = [switched.dha.step(inside, [u])[0] for u in np.linspace(-1, 1, 401)]
+            assert any(kept.states.contains(x, 1e-6) for x in after)
+
+
+def test_what_was_taken_away_is_forced_out(switched, kept):
+    rng = np.random.default_rng(0)
+    lost = [x for x in rng.uniform(-2, 2, (300, 2)) if not kept.states.contains(x, 1e-6)]
+    assert len(lost) > 20
+    for x in lost[:6]:
+        answer = hys.can_reach(switched, x, "~(-2 <= p & p <= 2 & -2 <= v & v <= 2)", 0)
+        assert answer.verdict == "unreachable"
+        stays = hys.must_reach(switched, x, "~(p >= -2 & p <= 2 & v >= -2 & v <= 2)", kept.rounds)
+        assert stays.verdict in {"inevitable", "no run"}
+
+
+def test_without_inputs_the_set_is_positively_invariant():
+    model = hys.load(
+        "SYSTEM s { INTERFACE { STATE { REAL p [-1, 1]; REAL v [-1, 1]; } }"
+        " IMPLEMENTATION { CONTINUOUS { p = 0.8*p + 0.8*v; v = -0.4*p + 0.8*v; } } }"
+    )
+    found = hys.invariant_set(model)
+    assert found.is_invariant
+    (piece,) = found.states.pieces
+    A = np.array([[0.8, 0.8], [-0.4, 0.8]])
+    assert all(piece.region.contains(A @ corner, 1e-7) for corner in piece.region.vertices)
+    rng = np.random.default_rng(1)
+    for x in rng.uniform(-1, 1, (200, 2)):
+        stays = all(np.abs(np.linalg.matrix_power(A, k) @ x).max() <= 1 for k in range(40))
+        assert piece.region.contains(x, 1e-9) == stays
+
+
+def test_feasible_states_are_those_of_the_controller(switched):
+    limits = hys.Limits(x={"p": (-2, 2), "v": (-1, 1)})
+    mpc = hys.HybridMpc(switched, horizon=3, cost=hys.Cost(x={"p": 1, "v": 1}, u={"u": 0.1}, norm=1), limits=limits)
+    found = hys.feasible_states(switched, 3, within={"p": (-2, 2), "v": (-1, 1)})
+    rng = np.random.default_rng(2)
+    seen = set()
+    for x in rng.uniform(-4, 4, (25, 2)):
+        feasible = mpc.solve(x).u is not None
+        seen.add(feasible)
+        assert found.contains(x, 1e-6) == feasible
+    assert seen == {True, False}
+
+
+def test_rounds_that_do_not_suffice_are_told(switched):
+    found = hys.invariant_set(switched, {"p": (-2, 2), "v": (-2, 2)}, rounds=1)
+    assert not found.is_invariant
+    assert found.rounds == 1
+
+
+def test_wrong_arguments(switched):
+    with pytest.raises(ArgumentError, match="rounds"):
+        hys.invariant_set(switched, rounds=0)
+    with pytest.raises(ArgumentError, match="steps"):
+        hys.feasible_states(switched, -1)
+    with pytest.raises(ArgumentError, match="there is no q"):
+        hys.invariant_set(switched, {"q": 1})
+    with pytest.raises(ArgumentError, match="Model or Pwa"):
+        hys.invariant_set(switched.mld)
