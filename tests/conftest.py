@@ -12,3 +12,20 @@ sys.path.insert(0, str(Path(__file__).parent))
 settings.register_profile("gate", derandomize=True)
 if os.environ.get("CI"):
     settings.load_profile("gate")
+
+
+def pytest_configure(config):
+    """Compile the kernels once, before workers that would all compile them at the same time."""
+    if getattr(config.option, "numprocesses", None) and not hasattr(config, "workerinput"):
+        compile_kernels()
+
+
+def compile_kernels():
+    """The kernels of the controllers and of the multi-parametric programs; the cache keeps them for all processes."""
+    import numpy as np
+
+    import hysdel_py as hys
+
+    hys.warm_up()
+    side = hys.Polyhedron.box([-1.0], [1.0])
+    hys.solve_mpqp(hys.MpQp(np.eye(1), np.zeros(1), np.eye(1), np.eye(1), np.full(1, 0.5), np.zeros((1, 1)), side))
