@@ -29,11 +29,13 @@ def available() -> bool:
     return find_spec("pyscipopt") is not None
 
 
-def solve(miqp: Miqp, *, gap_rel: float, time_limit: float) -> ScipAnswer:
+def solve(miqp: Miqp, *, gap_rel: float, time_limit: float, feasibility: float | None = None) -> ScipAnswer:
     """Solve once, cold, on one thread."""
     model = _model(miqp)
     model.setParam("limits/gap", gap_rel)
     model.setParam("limits/time", time_limit)
+    if feasibility is not None:
+        model.setParam("numerics/feastol", feasibility)
     start = time.perf_counter()
     model.optimize()
     seconds = time.perf_counter() - start

@@ -76,7 +76,7 @@ class PwaPair:
         wrong = [index for index in holding if self._is_off_threshold(self.pwa.modes[index], x, u)]
         if wrong:
             return self._beside_mode(first, self.pwa.modes[wrong[0]], x, u)
-        for index in inside or holding:
+        for index in inside or (holding if first.exists else self._on_their_side(holding, x, u)):
             witness = self._beside_mode(first, self.pwa.modes[index], x, u)
             if witness is None:
                 return None
@@ -85,15 +85,28 @@ class PwaPair:
             return self._witness(first, Outcome(problems=("the state and input lie in the region of no mode",)), x, u)
         return found
 
+    def _on_their_side(self, holding: list[int], x: Point, u: Point) -> list[int]:
+        """Modes that do not hold by the slack of a row alone, from across a threshold that the point lies on.
+
+        With large coordinates that slack is wider than the gap of a threshold, so that the mode beyond the gap seems to
+        hold where its neighbour is forbidden.
+        """
+        return [index for index in holding if not any(self._misjudged(self.pwa.modes[index], x, u))]
+
     def _is_off_threshold(self, mode: Mode, x: Point, u: Point) -> bool:
         """Whether the word of a mode has the wrong side of a threshold that the point is clearly off."""
-        values, word = self.comparison.values_at(x, u), mode.values
-        return values is not None and any(
-            word.get(event.name) not in (None, bool(values[event.name] > 0.5))
-            and abs(event.form.value(values)) >= self.comparison.band(event) * (1.0 - SHARE)
-            for event in self.comparison.dha.items
-            if isinstance(event, Event)
+        return any(
+            distance >= self.comparison.band(event) * (1.0 - SHARE) for event, distance in self._misjudged(mode, x, u)
         )
+
+    def _misjudged(self, mode: Mode, x: Point, u: Point) -> Iterator[tuple[Event, float]]:
+        """Events that the word of a mode has on the other side than the point, with its distance from the threshold."""
+        values, word = self.comparison.values_at(x, u), mode.values
+        if values is None:
+            return
+        for event in (item for item in self.comparison.dha.items if isinstance(item, Event)):
+            if word.get(event.name) not in (None, bool(values[event.name] > 0.5)):
+                yield event, abs(event.form.value(values))
 
     def _beside_mode(self, first: Outcome, mode: Mode, x: Point, u: Point) -> Witness | None:
         word = {name: float(value) for name, value in mode.word if value is not None}

@@ -55,7 +55,7 @@ examples:
   hysdel mpc two_tanks --x0 0.1,0.4 --horizon 6 --weight level2=10 --ref level2=0.3
 
 Each command has its own help: hysdel simulate --help
-A shipped model can be named without a path: clutch, three_tanks, two_rooms, two_tanks.
+A shipped model can be named without a path: clutch, two_tanks and others; hysdel check --help lists them.
 exit status: 0 fine, 1 the model or the data has a mistake or a run ended early, 2 wrong usage,
 3 a fault of this program, 4 not settled (verify, diff, explain-infeasible)
 

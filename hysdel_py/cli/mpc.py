@@ -18,7 +18,8 @@ from hysdel_py.cli.arguments import (
     parts,
     span,
 )
-from hysdel_py.cli.output import add_files, check_files, clear_progress, emit_trajectory, progress_line
+from hysdel_py.cli.output import add_files, check_files, check_picture, clear_progress, emit_trajectory, progress_line
+from hysdel_py.cli.tree import save_tree
 from hysdel_py.control.closed_loop import closed_loop
 from hysdel_py.control.costs import Cost
 from hysdel_py.control.hybrid_mpc import HybridMpc
@@ -98,12 +99,14 @@ def _add_records(parser: argparse.ArgumentParser) -> None:
     """Add what can be written down about the answers."""
     parser.add_argument("--dump-problem", metavar="FILE", help="write the program of the first step, for hysdel solve")
     parser.add_argument("--node-log", metavar="FILE", help="write every node of every search as CSV")
+    parser.add_argument("--tree", metavar="FILE", help="draw the largest search tree of the run (.svg, .png, .pdf)")
     parser.add_argument("--why", action="store_true", help="say on the error stream what holds the first plan")
 
 
 def run(options: argparse.Namespace) -> int:
     """Run the command; the exit status is 1 if the loop ended early."""
     check_files(options)
+    check_picture(options.tree, "--tree")
     model = load_model(options)
     log = NodeLog()
     controller = _controller(model, options, log)
@@ -120,11 +123,19 @@ def run(options: argparse.Namespace) -> int:
     clear_progress(progress)
     if options.node_log:
         log.write(options.node_log)
+    if options.tree:
+        _draw_tree(controller, log, options.tree)
     emit_trajectory(trajectory, model, options)
     if trajectory.steps == options.steps:
         return 0
     print(_ended_early(trajectory.steps, options), file=sys.stderr)
     return 1
+
+
+def _draw_tree(controller: HybridMpc, log: NodeLog, path: str) -> None:
+    """Draw the search with the most nodes."""
+    f = controller.formulation
+    save_tree(log, [f.describe_variable(i) for i in range(f.layout.n)], path)
 
 
 def _ended_early(steps: int, options: argparse.Namespace) -> str:
@@ -169,7 +180,7 @@ def _controller(model: Model, options: argparse.Namespace, log: NodeLog) -> Hybr
         backend=options.backend,
         time_limit=options.time_limit,
         node_limit=options.node_limit,
-        progress=log if options.node_log else None,
+        progress=log if options.node_log or options.tree else None,
         blocking=_blocking(options),
         control_horizon=options.control_horizon,
         binary_horizon=options.binary_horizon,

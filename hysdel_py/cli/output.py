@@ -15,8 +15,8 @@ from hysdel_py.model import Model
 from hysdel_py.systems.trajectory import Trajectory
 
 __all__ = [
-    "add_files", "check_files", "check_target", "clear_progress", "emit_trajectory", "print_json", "progress_line",
-    "table", "without_nonfinite",
+    "add_files", "check_files", "check_picture", "check_target", "clear_progress", "emit_trajectory", "print_json",
+    "progress_line", "table", "without_nonfinite",
 ]  # fmt: skip
 
 PICTURES = (".png", ".pdf", ".svg", ".jpg")
@@ -41,13 +41,20 @@ def check_files(options: argparse.Namespace) -> None:
     DataError
         matplotlib is not installed.
     """
-    for option in ("csv", "plot"):
-        if getattr(options, option):
-            check_target(Path(getattr(options, option)), f"--{option}")
-    if options.plot and Path(options.plot).suffix.lower() not in PICTURES:
-        raise ArgumentError(f"--plot {options.plot}: a name that ends in {', '.join(PICTURES)} was expected")
-    if options.plot and not _has_matplotlib():
-        raise DataError("--plot needs matplotlib, which is not installed: pip install matplotlib")
+    if options.csv:
+        check_target(Path(options.csv), "--csv")
+    check_picture(options.plot, "--plot")
+
+
+def check_picture(path: str | None, option: str) -> None:
+    """The same for one picture, if it is asked for."""
+    if not path:
+        return
+    check_target(Path(path), option)
+    if Path(path).suffix.lower() not in PICTURES:
+        raise ArgumentError(f"{option} {path}: a name that ends in {', '.join(PICTURES)} was expected")
+    if not _has_matplotlib():
+        raise DataError(f"{option} needs matplotlib, which is not installed: pip install matplotlib")
 
 
 def check_target(path: Path, option: str) -> None:

@@ -9,7 +9,8 @@ from typing import Any
 import numpy as np
 
 from hysdel_py.cli.arguments import add_output
-from hysdel_py.cli.output import print_json
+from hysdel_py.cli.output import check_picture, print_json
+from hysdel_py.cli.tree import save_tree
 from hysdel_py.optimize.case_file import CaseFile, read_case
 from hysdel_py.optimize.miqp import MiqpResult, MiqpSettings, MiqpStatus
 from hysdel_py.optimize.node_log import NodeLog
@@ -40,16 +41,20 @@ def add_parser(commands: argparse._SubParsersAction[argparse.ArgumentParser]) ->
     parser.add_argument("--node-limit", type=int, metavar="N", help="nodes of the search")
     parser.add_argument("--gap", type=float, metavar="NUMBER", help="relative gap at which the search ends")
     parser.add_argument("--node-log", metavar="FILE", help="write every node of the search as CSV")
+    parser.add_argument("--tree", metavar="FILE", help="draw the search tree (.svg, .png, .pdf)")
     add_output(parser, "the answer")
     parser.set_defaults(run=run)
 
 
 def run(options: argparse.Namespace) -> int:
     """Run the command."""
+    check_picture(options.tree, "--tree")
     case, log = read_case(options.file), NodeLog()
     result = case.solve(_settings(case, options), progress=log)
     if options.node_log:
         log.write(options.node_log)
+    if options.tree:
+        save_tree(log, [_name(case, i) for i in range(case.miqp.qp.n)], options.tree)
     if options.json:
         print_json(_data(case, result))
     else:

@@ -7,11 +7,13 @@ from operator import index
 from typing import TYPE_CHECKING, Any, TypeAlias, TypeVar
 
 import numpy as np
+from numpy.typing import NDArray
 
 from hysdel_py.control.formulation import Formulation
 from hysdel_py.errors import ArgumentError
 from hysdel_py.systems.mld import Mld
 from hysdel_py.systems.pwa import Pwa
+from hysdel_py.systems.signals import as_vector
 
 if TYPE_CHECKING:
     from hysdel_py.optimize.milp import MilpSolver
@@ -19,7 +21,15 @@ if TYPE_CHECKING:
 
     Solver: TypeAlias = MilpSolver | MiqpSolver
 
-__all__ = ["checked", "checked_callable", "checked_horizon", "make_solver", "mld_of", "search_settings"]
+__all__ = [
+    "checked",
+    "checked_callable",
+    "checked_horizon",
+    "checked_last_input",
+    "make_solver",
+    "mld_of",
+    "search_settings",
+]
 
 T = TypeVar("T")
 
@@ -57,6 +67,18 @@ def checked(value: Any, kind: type[T], what: str) -> T:
     if not isinstance(value, kind):
         raise ArgumentError(f"{what} is a {type(value).__name__}: a {kind.__name__} was expected")
     return value
+
+
+def checked_last_input(given: Any, mld: Mld, *, needed: bool) -> NDArray[np.float64] | None:
+    """Return the input applied last as a vector; None where nothing asks for it and nothing is given."""
+    if given is not None:
+        return as_vector(given, mld.u, "last input")
+    if needed:
+        names = ", ".join(v.name for v in mld.u)
+        raise ArgumentError(
+            f"last_input is missing: increments are weighed or limited, so the input applied last ({names}) counts"
+        )
+    return None
 
 
 def checked_callable(value: Any, what: str) -> Any:

@@ -105,7 +105,8 @@ def explain(formulation: Formulation, miqp: Miqp, move: Move) -> PlanExplanation
     v, vectors = move.case.v, move.case.vectors
     if len(v) != formulation.layout.n or len(vectors.l) != len(formulation.rows):
         raise ArgumentError("the move is of another controller: one of this controller was expected")
-    qp = miqp.qp.with_vectors(vectors.q, l=vectors.l, u=vectors.u, ub=vectors.ub, constant=vectors.constant)
+    formulation = formulation if move.case.formulation is None else move.case.formulation
+    qp = miqp.qp.with_vectors(**vectors.as_keywords())
     y, z = _multipliers(qp, miqp, v)
     priced = list(_active_rows(formulation, qp, v, y))
     forced = _forced(miqp, qp)

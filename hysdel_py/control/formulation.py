@@ -15,7 +15,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -48,8 +48,13 @@ class Vectors:
     q: Matrix
     l: Matrix  # noqa: E741  the name that the row ends have in the program
     u: Matrix
+    lb: Matrix
     ub: Matrix
     constant: float
+
+    def as_keywords(self) -> dict[str, Any]:
+        """The vectors by the names that programs and solvers have for them."""
+        return {name: getattr(self, name) for name in ("q", "l", "u", "lb", "ub", "constant")}
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -131,7 +136,7 @@ class Formulation:
         moved = self.shift.X @ p + self.shift.c
         moved[len(moved) - self.epigraph.references.shape[0] :] += self.epigraph.references @ targets
         q = self.objective.linear + 2.0 * (signals.V.T @ pull)
-        return Vectors(q, self.low - moved, self.high - moved, self._upper(targets), float(offset @ pull))
+        return Vectors(q, self.low - moved, self.high - moved, self.lb, self._upper(targets), float(offset @ pull))
 
     def _upper(self, targets: Matrix) -> Matrix:
         ub = self.ub.copy()

@@ -17,6 +17,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from hysdel_py.control import construction
 from hysdel_py.control import fallback as fallbacks
+from hysdel_py.control.changed_limits import for_call
 from hysdel_py.control.costs import Cost
 from hysdel_py.control.fallback import Fallback, Reserve, check_fallback
 from hysdel_py.control.formulation import Formulation, formulate
@@ -92,6 +93,7 @@ class HybridMpc:
         What it was built from.
     mld : Mld
     horizon : int
+    limits : Limits
     formulation : Formulation
         The program, with the meaning of each variable and row.
 
@@ -140,6 +142,7 @@ class HybridMpc:
         def planner(formulation: Formulation) -> Planner:
             return Planner(formulation, settings, step, tolerances, progress=callback)
 
+        self.limits = limits
         self._planner = planner(self.formulation)
         self._fallback = check_fallback(fallback, limits)
         self._reserve: Reserve | None = None
@@ -167,6 +170,7 @@ class HybridMpc:
         *,
         warm: bool = True,
         last_input: LastInput = None,
+        limits: Limits | None = None,
     ) -> Move:
         """Plan from a measured state and return the first input.
 
@@ -181,6 +185,9 @@ class HybridMpc:
             Start from the last plan, shifted by one step.
         last_input : array_like of shape (nu,), or mapping of name to number
             The input applied in the step before; needed exactly when increments are weighed or limited.
+        limits : Limits, optional
+            Limits of this call in place of those of the controller, for the signals that it names; the others stay, and
+            so do softness and prices. Each end must be one that the controller limits.
 
         Returns
         -------
@@ -191,37 +198,41 @@ class HybridMpc:
         Raises
         ------
         ArgumentError
-            Wrong dimension, unknown name, NaN, infinite values, missing references or a missing last input.
+            Wrong dimension, unknown name, NaN, infinite values, missing references or a missing last input; limits of
+            signals that the controller does not limit.
         """
         begin = time.perf_counter()
         measured, table = as_vector(x, self.mld.x, "state"), self.references.table(ref)
-        last = self._last_input(last_input)
-        move = self._planner.plan(measured, table, last, warm=warm, sample_time=self.sample_time)
+        last = construction.checked_last_input(last_input, self.mld, needed=self.uses_last_input)
+        formulation = for_call(self.formulation, self.limits, limits)
+        move = self._planner.plan(
+            measured, table, last, warm=warm, sample_time=self.sample_time, formulation=formulation
+        )
         if move.ok:
             self._reserve = None if move.predicted is None else Reserve(move.predicted.u)
         elif self._fallback is not None:
-            move = self._fall_back(move, measured, table, last)
+            move = self._fall_back(move, (measured, table, last), formulation, limits)
         return replace(move, seconds=time.perf_counter() - begin)
 
-    def _last_input(self, given: LastInput) -> Matrix | None:
-        if given is not None:
-            return as_vector(given, self.mld.u, "last input")
-        if self.uses_last_input:
-            names = ", ".join(v.name for v in self.mld.u)
-            raise ArgumentError(
-                f"last_input is missing: increments are weighed or limited, so the input applied last ({names}) counts"
-            )
-        return None
-
-    def _fall_back(self, failed: Move, measured: Matrix, table: Mapping[str, Matrix], last: Matrix | None) -> Move:
+    def _fall_back(
+        self,
+        failed: Move,
+        given: tuple[Matrix, Mapping[str, Matrix], Matrix | None],
+        formulation: Formulation,
+        limits: Limits | None,
+    ) -> Move:
+        measured, table, last = given
         if self._softened is not None:
-            again = self._softened.plan(measured, table, last, warm=False, sample_time=self.sample_time)
+            softer = for_call(self._softened.formulation, self.limits, limits, soft=True)
+            again = self._softened.plan(
+                measured, table, last, warm=False, sample_time=self.sample_time, formulation=softer
+            )
             softened = fallbacks.from_softened(failed, again)
             self._reserve = None if softened.predicted is None else Reserve(softened.predicted.u)
             return softened
         if callable(self._fallback):
             return fallbacks.from_callable(failed, self._fallback, measured, self.mld.u)
-        broken = partial(fallbacks.broken_input_limits, self.formulation, last, self.tolerances.residual)
+        broken = partial(fallbacks.broken_input_limits, formulation, last, self.tolerances.residual)
         move = fallbacks.from_reserve(failed, self._reserve, broken)
         self._reserve = None if self._reserve is None else replace(self._reserve, used=self._reserve.used + 1)
         return move
@@ -280,15 +291,22 @@ class HybridMpc:
         write_case(path, program, self._planner.solver.settings, variables, [str(row) for row in f.rows])
 
     def problem(
-        self, x: ArrayLike | Mapping[str, float], ref: Reference = None, *, last_input: LastInput = None
+        self,
+        x: ArrayLike | Mapping[str, float],
+        ref: Reference = None,
+        *,
+        last_input: LastInput = None,
+        limits: Limits | None = None,
     ) -> Miqp:
         """Return the mixed-integer program of one call, to study it or to hand it to another solver.
 
         Parameters and errors are those of :meth:`solve`. The cost includes the constant, so that its value is that of
         ``Move.cost``; the state is not moved onto its range.
         """
-        state, last = as_vector(x, self.mld.x, "state"), self._last_input(last_input)
-        return self._planner.program(self.formulation.vectors(state, self.references.table(ref), last))
+        state = as_vector(x, self.mld.x, "state")
+        last = construction.checked_last_input(last_input, self.mld, needed=self.uses_last_input)
+        formulation = for_call(self.formulation, self.limits, limits)
+        return self._planner.program(formulation.vectors(state, self.references.table(ref), last))
 
 
 def _case_of(move: Move | None) -> Case:

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from hysdel_py.systems.trajectory import Trajectory
 
 if TYPE_CHECKING:
-    from hysdel_py.control.formulation import Vectors
+    from hysdel_py.control.formulation import Formulation, Vectors
 
 __all__ = ["Case", "Move", "MoveStatus"]
 
@@ -62,10 +62,13 @@ class Case:
         What the measured state, the input applied last and the references made of the program.
     v : array of shape (n,), or None
         The plan as decision variables.
+    formulation : Formulation or None
+        The program with the limits of the call.
     """
 
     vectors: Vectors
     v: NDArray[np.float64] | None = None
+    formulation: Formulation | None = None
 
 
 @dataclass(frozen=True, slots=True, eq=False)

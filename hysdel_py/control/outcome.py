@@ -75,7 +75,9 @@ def judged(
         status = _status_without_plan(result.status.name)
         bound = np.inf if status is MoveStatus.INFEASIBLE else result.bound
         advice = _advice(status, formulation.limits, result)
-        return Move(status, advice, bound=bound, nodes=result.nodes, qps=result.qps, case=Case(vectors)), None
+        return Move(
+            status, advice, bound=bound, nodes=result.nodes, qps=result.qps, case=Case(vectors, None, formulation)
+        ), None
     v = result.x.copy()
     v[formulation.binaries] = np.round(v[formulation.binaries])
     residual = formulation.residual(v, vectors)
@@ -99,7 +101,7 @@ def judged(
         nodes=result.nodes,
         qps=result.qps,
         approximate_from=None if shape.is_exact else shape.exact,
-        case=Case(vectors, v),
+        case=Case(vectors, v, formulation),
     )
     return move, plan
 

@@ -68,14 +68,19 @@ class Planner:
         *,
         warm: bool,
         sample_time: float = 1.0,
+        formulation: Formulation | None = None,
     ) -> Move:
-        """Plan from a measured state with references and the input applied last; the move has no time yet."""
-        x0, reasons = outcome.admissible_state(self.formulation, measured, self.tolerances)
+        """Plan from a measured state with references and the input applied last; the move has no time yet.
+
+        `formulation` is the program of the planner with other numbers in its limits, for this call.
+        """
+        f = self.formulation if formulation is None else formulation
+        x0, reasons = outcome.admissible_state(f, measured, self.tolerances)
         if reasons:
             return outcome.refused(reasons, 0.0)
-        vectors = self.formulation.vectors(x0, table, last)
+        vectors = f.vectors(x0, table, last)
         result = self._search(vectors, x0, warm)
-        move, plan = outcome.judged(self.formulation, vectors, x0, result, self.tolerances, sample_time=sample_time)
+        move, plan = outcome.judged(f, vectors, x0, result, self.tolerances, sample_time=sample_time)
         self._plan = plan
         if plan is None:
             return move
@@ -86,7 +91,7 @@ class Planner:
         from hysdel_py.optimize.miqp import Miqp
 
         program = self.solver.miqp
-        qp = program.qp.with_vectors(vectors.q, l=vectors.l, u=vectors.u, ub=vectors.ub, constant=vectors.constant)
+        qp = program.qp.with_vectors(**vectors.as_keywords())
         return Miqp(qp, program.binaries, priorities=program.priorities, drivers=program.drivers)
 
     def _remark_on_thresholds(self, plan: Plan, x0: Matrix) -> str:
@@ -103,11 +108,7 @@ class Planner:
 
     def _search(self, vectors: Vectors, x0: Matrix, warm: bool) -> MiqpResult:
         return self.solver.solve(
-            q=vectors.q,
-            l=vectors.l,
-            u=vectors.u,
-            ub=vectors.ub,
-            constant=vectors.constant,
+            **vectors.as_keywords(),
             floor=0.0,  # the cost is a sum of squares or absolute values
             incumbent=self._guess(x0) if warm else None,
             heuristic=self._heuristic(x0),

@@ -34,12 +34,20 @@ class Row:
     text : str
         What it says, with the line of the source where there is one.
     origin : RowOrigin or None
+    band : pair of str and int, or None
+        Group and column of the signal that a limit limits.
     """
 
     kind: str
     stage: int
     text: str
     origin: RowOrigin | None = None
+    band: tuple[str, int] | None = None
+
+    @classmethod
+    def of_band(cls, band: Band, time: int) -> Row:
+        """The row of a limit at a time."""
+        return cls("limit", time, f"{band.group} {band.name} in {band.text(time)}", band=(band.group, band.column))
 
     def __str__(self) -> str:
         return f"{self.kind}[{self.stage}] {self.text}"
@@ -119,7 +127,7 @@ def _row(kind: str, stage: int, text: str, origin: RowOrigin | None) -> Row:
 def _band_rows(layout: Layout, band: Band, slack: int | None, time: int) -> Iterator[Block]:
     value = _limited(layout, band, time)
     low, high = band.at(time)
-    row = Row("limit", time, f"{band.group} {band.name} in {band.text(time)}")
+    row = Row.of_band(band, time)
     if slack is None:
         if low > -inf or high < inf:
             yield Block(value, np.array([low]), np.array([high]), (row,))

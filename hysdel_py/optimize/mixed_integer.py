@@ -16,7 +16,7 @@ from hysdel_py.errors import ArgumentError
 from hysdel_py.optimize.propagation import PropagationSettings
 from hysdel_py.optimize.qp import Qp, QpSettings
 
-__all__ = ["KERNELS", "Miqp", "MiqpResult", "MiqpSettings", "MiqpStatus", "SearchInfo"]
+__all__ = ["KERNELS", "Miqp", "MiqpResult", "MiqpSettings", "MiqpStatus", "NodeFate", "NodeRecord", "SearchInfo"]
 
 Vector = NDArray[np.float64]
 Indices = NDArray[np.intp]
@@ -122,6 +122,46 @@ class MiqpSettings:
         return "piqp" if self.backend in KERNELS else self.backend
 
 
+class NodeFate(Enum):
+    """What became of a node."""
+
+    SPLIT = "split"
+    """Its two halves were put on the stack."""
+    CUT_OFF = "cut off"
+    """Its bound reaches the incumbent."""
+    INFEASIBLE = "infeasible"
+    """It is proven to be empty."""
+    LEAF = "leaf"
+    """All its binaries are fixed; it was solved."""
+
+
+@dataclass(frozen=True, slots=True)
+class NodeRecord:
+    """A node that was looked at.
+
+    Attributes
+    ----------
+    number : int
+        From 1, in the order of the search.
+    parent : int
+        Number of its parent, 0 for the root.
+    variable : int
+        Binary that was fixed on the way here, -1 at the root.
+    value : float
+        What it was fixed at.
+    bound : float
+        Certified lower bound, infinite where the node is empty.
+    fate : NodeFate
+    """
+
+    number: int
+    parent: int
+    variable: int
+    value: float
+    bound: float
+    fate: NodeFate
+
+
 @dataclass(frozen=True, slots=True)
 class SearchInfo:
     """State of a running search, for the progress callback.
@@ -133,6 +173,8 @@ class SearchInfo:
     objective, bound : float
         Best objective so far and certified lower bound.
     seconds : float
+    node : NodeRecord or None
+        The node that was looked at last; None from a search that does not tell.
     """
 
     nodes: int
@@ -141,6 +183,7 @@ class SearchInfo:
     objective: float
     bound: float
     seconds: float
+    node: NodeRecord | None = None
 
 
 @dataclass(frozen=True, eq=False, slots=True)

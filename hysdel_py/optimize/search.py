@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hysdel_py.errors import ArgumentError
-from hysdel_py.optimize.mixed_integer import MiqpResult, MiqpSettings, MiqpStatus, SearchInfo
+from hysdel_py.optimize.mixed_integer import MiqpResult, MiqpSettings, MiqpStatus, NodeFate, NodeRecord, SearchInfo
 from hysdel_py.optimize.propagation import Box
 from hysdel_py.optimize.qp import Qp, objective_value, violation
 from hysdel_py.optimize.verified import Start, Verdict
@@ -46,6 +46,8 @@ class Node:
     depth : int
     guess : Start or None
         From the parent's relaxation.
+    parent : int
+        Number of the parent in the order of the search, 0 at the root.
     """
 
     box: Box
@@ -54,6 +56,7 @@ class Node:
     bound: float
     depth: int
     guess: Start | None
+    parent: int = 0
 
 
 class Search:
@@ -82,6 +85,7 @@ class Search:
         self.nodes, self.solves_before = 0, solver.verified.solves
         self.leaves: dict[bytes, float] = {}
         self.unsettled, self.unbounded = "", False
+        self.record: NodeRecord | None = None
 
     # ---------------------------------------------------------------- steps of the main loop
 
@@ -92,24 +96,32 @@ class Search:
             self.stack.append(Node(self.root, -1, 0.0, self.known, 0, None))
 
     def explore(self, node: Node) -> None:
-        """Look at one node: drop it, settle it, or put its two halves on the stack."""
+        """Look at one node: drop it, settle it, or put its two halves on the stack; record what became of it."""
         self.nodes += 1
+        fate, bound = self.fate(node)
+        if fate is not NodeFate.SPLIT:
+            self.close(bound)
+        self.record = NodeRecord(self.nodes, node.parent, node.variable, node.value, bound, fate)
+
+    def fate(self, node: Node) -> tuple[NodeFate, float]:
+        """What becomes of a node, with its certified bound."""
         if self.is_cut_off(node.bound):
-            return self.close(node.bound)
+            return NodeFate.CUT_OFF, node.bound
         box = self.restrict(node)
         if box.conflict is not None:
-            return None
+            return NodeFate.INFEASIBLE, inf
         if self.is_leaf(box):
-            return self.close(max(node.bound, self.settle(box, node.guess)))
+            return NodeFate.LEAF, max(node.bound, self.settle(box, node.guess))
         verdict = self.relax(box, node.guess)
         if verdict.infeasible:
-            return None
+            return NodeFate.INFEASIBLE, inf
         bound = max(node.bound, verdict.bound)
         if not self.is_cut_off(bound):
             self.look_for_incumbents(node, box, verdict.answer.x)
         if self.is_cut_off(bound):
-            return self.close(bound)
-        return self.branch(node, box, verdict, bound)
+            return NodeFate.CUT_OFF, bound
+        self.branch(node, box, verdict, bound)
+        return NodeFate.SPLIT, bound
 
     def restrict(self, node: Node) -> Box:
         """Bounds of the node: the parent's with one more binary fixed, propagated."""
@@ -149,7 +161,7 @@ class Search:
         variable = self._branching_variable(box, x)
         near = 1.0 if x[variable] > 0.5 else 0.0
         for value in (1.0 - near, near):
-            self.stack.append(Node(box, variable, value, bound, node.depth + 1, guess))
+            self.stack.append(Node(box, variable, value, bound, node.depth + 1, guess, self.nodes))
 
     def close(self, bound: float) -> None:
         """Remember the bound of a part that is done."""
@@ -205,8 +217,9 @@ class Search:
 
     def info(self) -> SearchInfo:
         """State for the progress callback."""
+        seconds = perf_counter() - self.start
         return SearchInfo(
-            self.nodes, self._solves(), len(self.stack), self.objective, self.bound(), perf_counter() - self.start
+            self.nodes, self._solves(), len(self.stack), self.objective, self.bound(), seconds, self.record
         )
 
     def stopped(self, status: MiqpStatus) -> MiqpResult:

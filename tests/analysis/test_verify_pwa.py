@@ -82,6 +82,15 @@ def test_modes_of_shipped_models_are_equal(name):
     assert verdict(model, model.pwa, points=20).is_equal
 
 
+def test_mode_across_a_threshold_does_not_hold_by_the_slack_of_its_rows():
+    """Where speeds are large that slack is wider than the gap, and the mode on the point's own side is forbidden.
+
+    Every other random point lies on a threshold or beside one.
+    """
+    report = hys.verify(hys.load("bist_part1"), points=200)
+    assert report.is_equal, str(report)
+
+
 @pytest.mark.parametrize("name", ["clutch", "two_tanks"])
 def test_joined_modes_are_equal(name):
     model = hys.load(name)

@@ -195,6 +195,22 @@ def test_dumped_problem_is_solved_again(hysdel, tmp_path):
     assert len(data["x"]) == len(data["variables"])
 
 
+def test_tree_of_the_largest_search_is_drawn(hysdel, tmp_path):
+    shown = hysdel(*TO_THREE, "--tree", "tree.svg", "--dump-problem", "case.json")
+    assert shown.status == 0
+    assert "<svg" in (tmp_path / "tree.svg").read_text()
+    assert hysdel("solve", "case.json", "--tree", "again.svg").status == 0
+    assert (tmp_path / "again.svg").stat().st_size > 5000
+    assert hysdel(*TO_THREE, "--tree", "tree.txt").status == 2
+
+
+def test_no_tree_where_highs_solves(hysdel, tmp_path):
+    shown = hysdel(*TO_THREE, "--norm", "1", "--tree", "tree.svg")
+    assert shown.status == 0
+    assert "no picture" in shown.err
+    assert not (tmp_path / "tree.svg").exists()
+
+
 def test_solve_says_what_is_wrong_with_a_file(hysdel, tmp_path):
     (tmp_path / "case.json").write_text("{}")
     shown = hysdel("solve", "case.json")

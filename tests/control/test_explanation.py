@@ -157,5 +157,7 @@ def test_node_log(systems, tmp_path):
     assert log.entries[-1].objective == pytest.approx(move.cost)
     log.write(tmp_path / "nodes.csv")
     lines = (tmp_path / "nodes.csv").read_text().splitlines()
-    assert lines[0] == "nodes,qps,open,objective,bound,seconds"
+    assert lines[0].startswith("nodes,qps,open,objective,bound,seconds,number,parent,variable,value,node_bound,fate")
     assert len(lines) == move.nodes + 1
+    assert lines[1].split(",")[6:9] == ["1", "0", "-1"]
+    assert lines[1].split(",")[-1] in ("split", "cut off")
