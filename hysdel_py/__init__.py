@@ -27,6 +27,37 @@ if TYPE_CHECKING:
     from hysdel_py.control.linear_mpc import LinearMpc
     from hysdel_py.control.moving_horizon import Estimate, MovingHorizonEstimator
     from hysdel_py.control.observer import KalmanObserver
+    from hysdel_py.drivetrain.components import (
+        GROUND,
+        Brake,
+        Clutch,
+        EngineMap,
+        Gear,
+        Inertia,
+        Load,
+        OneWayClutch,
+        PlanetaryGear,
+        SpeedSource,
+        SpringDamper,
+        TorqueSource,
+        VehicleLoad,
+    )
+    from hysdel_py.drivetrain.drivetrain import Drivetrain
+    from hysdel_py.drivetrain.laws import Coulomb, Stribeck
+    from hysdel_py.drivetrain.schemes.options import (
+        AugmentedLagrangian,
+        EventDriven,
+        Exact,
+        FixedStepLcp,
+        Karnopp,
+        Moreau,
+        Smoothing,
+        SwitchModel,
+        VariableStepMoreau,
+        WaitState,
+    )
+    from hysdel_py.drivetrain.signals import PiecewiseLinear
+    from hysdel_py.drivetrain.trajectory import ContactMode, DrivetrainTrajectory
     from hysdel_py.errors import ArgumentError, CompileError, HysdelError, SimulationError
     from hysdel_py.export.json_file import read_json
     from hysdel_py.export.plant_c import to_c
@@ -35,6 +66,7 @@ if TYPE_CHECKING:
     from hysdel_py.geometry.union import PolyhedralUnion
     from hysdel_py.model import Model, audit, load, to_dha, to_mld, to_pwa, to_symbolic_mld
     from hysdel_py.optimize.case_file import CaseFile, read_case
+    from hysdel_py.optimize.lcp.solve import LcpResult, LcpSettings, LcpStatus, solve_boxed_lcp, solve_lcp
     from hysdel_py.optimize.mpqp import MpQp, MpQpSettings, ParametricSolution, solve_mpqp
     from hysdel_py.optimize.node_log import NodeLog
     from hysdel_py.reports.explain_infeasible import explain_infeasible
@@ -48,50 +80,86 @@ if TYPE_CHECKING:
     from hysdel_py.systems.trajectory import Trajectory
 
 __all__ = [
-    "ArgumentError", "CaseFile", "CompileError", "Cost", "Dha", "Difference", "Estimate", "Explanation",
-    "ExplicitLaw", "HybridMpc", "HysdelError", "KalmanObserver", "Limits", "LinearCost", "LinearLimits",
-    "LinearMpc", "Lti", "Margins", "Mld", "Model", "Move", "MoveStatus", "MovingHorizonEstimator", "MpQp",
-    "MpQpSettings", "NodeLog", "ParametricSolution", "PolyhedralUnion", "Polyhedron", "Pwa", "SimulationError",
-    "Trajectory", "Verification", "WellPosedness", "__version__", "audit", "closed_loop", "diff",
+    "GROUND", "ArgumentError", "AugmentedLagrangian", "Brake", "CaseFile", "Clutch", "CompileError", "ContactMode",
+    "Cost", "Coulomb", "Dha", "Difference", "Drivetrain", "DrivetrainTrajectory", "EngineMap", "Estimate",
+    "EventDriven", "Exact", "Explanation", "ExplicitLaw", "FixedStepLcp", "Gear", "HybridMpc", "HysdelError",
+    "Inertia", "KalmanObserver", "Karnopp", "LcpResult", "LcpSettings", "LcpStatus", "Limits", "LinearCost",
+    "LinearLimits", "LinearMpc", "Load", "Lti", "Margins", "Mld", "Model", "Moreau", "Move", "MoveStatus",
+    "MovingHorizonEstimator", "MpQp", "MpQpSettings", "NodeLog", "OneWayClutch", "ParametricSolution",
+    "PiecewiseLinear", "PlanetaryGear", "PolyhedralUnion", "Polyhedron", "Pwa", "SimulationError", "Smoothing",
+    "SpeedSource", "SpringDamper", "Stribeck", "SwitchModel", "TorqueSource", "Trajectory", "VariableStepMoreau",
+    "VehicleLoad", "Verification", "WaitState", "WellPosedness", "__version__", "audit", "closed_loop", "diff",
     "explain_infeasible", "explicit", "load", "minkowski_sum", "pontryagin_difference", "read_case", "read_json",
-    "shipped_models", "simulate", "solve_mpqp", "to_c", "to_dha", "to_mld", "to_pwa", "to_symbolic_mld", "verify",
-    "well_posed", "with_disturbances",
+    "shipped_models", "simulate", "solve_boxed_lcp", "solve_lcp", "solve_mpqp", "to_c", "to_dha", "to_mld",
+    "to_pwa", "to_symbolic_mld", "verify", "well_posed", "with_disturbances",
 ]  # fmt: skip
 
 _HOME = {
+    "GROUND": "drivetrain.components",
     "ArgumentError": "errors",
+    "AugmentedLagrangian": "drivetrain.schemes.options",
+    "Brake": "drivetrain.components",
     "CaseFile": "optimize.case_file",
+    "Clutch": "drivetrain.components",
     "CompileError": "errors",
+    "ContactMode": "drivetrain.trajectory",
     "Cost": "control.costs",
+    "Coulomb": "drivetrain.laws",
     "Dha": "systems.dha",
     "Difference": "analysis.diff_report",
+    "Drivetrain": "drivetrain.drivetrain",
+    "DrivetrainTrajectory": "drivetrain.trajectory",
+    "EngineMap": "drivetrain.components",
     "Estimate": "control.moving_horizon",
+    "EventDriven": "drivetrain.schemes.options",
+    "Exact": "drivetrain.schemes.options",
     "Explanation": "reports.explanation",
     "ExplicitLaw": "control.explicit_law",
+    "FixedStepLcp": "drivetrain.schemes.options",
+    "Gear": "drivetrain.components",
     "HybridMpc": "control.hybrid_mpc",
     "HysdelError": "errors",
+    "Inertia": "drivetrain.components",
     "KalmanObserver": "control.observer",
+    "Karnopp": "drivetrain.schemes.options",
+    "LcpResult": "optimize.lcp.solve",
+    "LcpSettings": "optimize.lcp.solve",
+    "LcpStatus": "optimize.lcp.solve",
     "Limits": "control.limits",
     "LinearCost": "control.linear_cost",
     "LinearLimits": "control.linear_limits",
     "LinearMpc": "control.linear_mpc",
+    "Load": "drivetrain.components",
     "Lti": "systems.lti",
     "Margins": "analysis.margins",
     "Mld": "systems.mld",
     "Model": "model",
+    "Moreau": "drivetrain.schemes.options",
     "Move": "control.hybrid_mpc",
     "MoveStatus": "control.hybrid_mpc",
     "MovingHorizonEstimator": "control.moving_horizon",
     "MpQp": "optimize.mpqp",
     "MpQpSettings": "optimize.mpqp",
     "NodeLog": "optimize.node_log",
+    "OneWayClutch": "drivetrain.components",
     "ParametricSolution": "optimize.mpqp",
+    "PiecewiseLinear": "drivetrain.signals",
+    "PlanetaryGear": "drivetrain.components",
     "PolyhedralUnion": "geometry.union",
     "Polyhedron": "geometry.polyhedron",
     "Pwa": "systems.pwa",
     "SimulationError": "errors",
+    "Smoothing": "drivetrain.schemes.options",
+    "SpeedSource": "drivetrain.components",
+    "SpringDamper": "drivetrain.components",
+    "Stribeck": "drivetrain.laws",
+    "SwitchModel": "drivetrain.schemes.options",
+    "TorqueSource": "drivetrain.components",
     "Trajectory": "systems.trajectory",
+    "VariableStepMoreau": "drivetrain.schemes.options",
+    "VehicleLoad": "drivetrain.components",
     "Verification": "analysis.report",
+    "WaitState": "drivetrain.schemes.options",
     "WellPosedness": "analysis.well_posed",
     "audit": "model",
     "closed_loop": "control.closed_loop",
@@ -105,6 +173,8 @@ _HOME = {
     "read_json": "export.json_file",
     "shipped_models": "shipped",
     "simulate": "systems.simulation",
+    "solve_boxed_lcp": "optimize.lcp.solve",
+    "solve_lcp": "optimize.lcp.solve",
     "solve_mpqp": "optimize.mpqp",
     "to_c": "export.plant_c",
     "to_dha": "model",

@@ -59,6 +59,7 @@ LAZILY = {
     "control": {"plotting", "export"},
     "model": {"shipped"},
     "demos": {"plotting"},
+    "drivetrain": {"plotting"},
     "analysis": {"lowering"},
 }
 

@@ -33,6 +33,7 @@ COMMANDS = (
     "explain_infeasible",
     "solve",
     "demo",
+    "drivetrain",
     "fmt",
     "stubs",
     "lsp",
@@ -42,6 +43,7 @@ COMMANDS = (
 _DESCRIPTION = "Compile, simulate and control hybrid systems that are written in .hys files."
 _EPILOG = """\
 examples:
+  hysdel drivetrain compare                 simulation methods for dry friction, errors and times
   hysdel demo clutch                        engage a dry clutch by hybrid predictive control; writes a picture
   hysdel check model.hys                    find mistakes
   hysdel explain HYS302                     what a diagnostic means

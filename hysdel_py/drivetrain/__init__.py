@@ -1,0 +1,1 @@
+"""Drivetrains with dry friction: components, friction laws, equations of motion, and schemes that simulate them."""

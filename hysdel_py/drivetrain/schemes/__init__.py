@@ -1,0 +1,1 @@
+"""The simulation methods: one module each, one signature, one trajectory."""
