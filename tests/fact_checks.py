@@ -10,6 +10,7 @@ import numpy as np
 from fact_controllers import mpc_eval, pwa_mpc_cost, simulate
 from fact_explicit import mplp_param_cost, mplp_regions, mpqp_regions
 from fact_geometry import polyhedron, pwa, union
+from fact_hybrid_laws import pwa_mpc_explicit
 from fact_tools import Fact, array, close
 
 from hysdel_py.optimize.miqp import Miqp, MiqpSettings, solve_miqp
@@ -59,6 +60,7 @@ def qp(fact: Fact) -> str:
 
 CHECKS = {
     "pwa_mpc_cost": pwa_mpc_cost,
+    "pwa_mpc_explicit": pwa_mpc_explicit,
     "miqp": miqp,
     "qp": qp,
     "lp": qp,

@@ -42,7 +42,15 @@ def state_box(p: Fact, C: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
 
 def sampled_costs(fact: Fact) -> str:
     """Costs at given states, whose own weight |Q x_0| the controller leaves out."""
-    p, first = fact["problem"], fact["problem"]["modes"][0]
+    mpc, weight = sampled_controller(fact["problem"])
+    for sample in fact["expected"]["samples"]:
+        compare_sample(mpc, sample, weight, fact["tolerance"])
+    return f"{len(fact['expected']['samples'])} states"
+
+
+def sampled_controller(p: Fact) -> tuple[HybridMpc, tuple[np.ndarray, float]]:
+    """The controller, and the weight and norm of the measured state."""
+    first = p["modes"][0]
     if any(m[key] != first[key] for m in p["modes"] for key in "CDg"):
         raise NotSupported("outputs that differ between modes")
     C, D, g = (np.array(first[key], dtype=float) for key in "CDg")
@@ -51,10 +59,12 @@ def sampled_costs(fact: Fact) -> str:
     norm = float(p["norm"])
     Q, R, P = (np.array(p[key], dtype=float) for key in ("Q", "R", "P_N"))
     limits = Limits(y={v.name: ends for v, *ends in zip(mld.y, p["ymin"], p["ymax"], strict=True)})
-    mpc = HybridMpc(mld, p["N"], Cost(x=Q, u=R, terminal=P, norm=norm), limits, **TIGHT)
-    for sample in fact["expected"]["samples"]:
-        compare_sample(mpc, sample, (Q, norm), fact["tolerance"])
-    return f"{len(fact['expected']['samples'])} states"
+    return HybridMpc(mld, p["N"], Cost(x=Q, u=R, terminal=P, norm=norm), limits, **TIGHT), (Q, norm)
+
+
+def own_cost(x, weight):
+    Q, norm = weight
+    return x @ Q @ x if norm == 2 else np.linalg.norm(Q @ x, norm)
 
 
 def compare_sample(mpc, sample, weight, tolerance):
@@ -64,9 +74,7 @@ def compare_sample(mpc, sample, weight, tolerance):
         assert move.status is MoveStatus.INFEASIBLE, f"at {x}: {move.message}, expected infeasible"
         return
     assert move.ok, f"at {x}: {move.message}"
-    Q, norm = weight
-    first = x @ Q @ x if norm == 2 else np.linalg.norm(Q @ x, norm)
-    close(move.cost + first, sample["J"], tolerance, f"cost at {x}")
+    close(move.cost + own_cost(x, weight), sample["J"], tolerance, f"cost at {x}")
 
 
 def pendulum(fact: Fact) -> str:

@@ -6,6 +6,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 import run_facts
+from fact_hybrid_laws import sampled_law
 
 FOLDER = Path(__file__).parent / "data" / "facts"
 FACTS = {fact["id"]: fact for fact in run_facts.read_facts(FOLDER, None)}
@@ -28,8 +29,19 @@ def test_fact(name):
     assert run_facts.verdict(shortened(FACTS[name]))[0] == "passed"
 
 
+@pytest.mark.parametrize("name", ["hmpc_pwa_car_n2_N1", "hmpc_pwa_sincos_n1_N2", "hmpc_two_tanks_nInf_N1"])
+def test_costs_by_the_explicit_law(name):
+    assert run_facts.verdict(FACTS[name], sampled_law)[0] == "passed"
+
+
+def test_a_wrong_cost_fails_by_the_explicit_law():
+    fact = json.loads(json.dumps(FACTS["hmpc_pwa_sincos_n1_N2"]))
+    fact["expected"]["samples"][0]["J"] += 1e-3
+    assert run_facts.verdict(fact, sampled_law)[0] == "failed"
+
+
 def test_every_fact_names_its_source():
-    assert len(FACTS) == 77
+    assert len(FACTS) == 78
     assert all(fact["source"] for fact in FACTS.values())
 
 

@@ -6,7 +6,7 @@ import argparse
 
 from hysdel_py.analysis.contradiction import Verdict
 from hysdel_py.cli.arguments import add_model, add_output, add_start, assignments, given_vector, load_model
-from hysdel_py.cli.mpc import limits_of
+from hysdel_py.cli.controller import limits_of
 from hysdel_py.cli.native import native_output_on_stderr
 from hysdel_py.cli.output import print_json
 from hysdel_py.control.limits import Limits

@@ -30,6 +30,7 @@ COMMANDS = (
     "graph",
     "simulate",
     "mpc",
+    "explicit",
     "explain_infeasible",
     "solve",
     "demo",
@@ -55,6 +56,7 @@ examples:
   hysdel diff old.hys new.hys               where two models differ, with a point that shows it
   hysdel fmt model.hys                      bring it into the canonical layout
   hysdel mpc two_tanks --x0 0.1,0.4 --horizon 6 --weight level2=10 --ref level2=0.3
+  hysdel explicit two_tanks --horizon 2 --weight level2=10,q=0.1 --ref level2=0.3 --out law.npz
 
 Each command has its own help: hysdel simulate --help
 A shipped model can be named without a path: clutch, two_tanks and others; hysdel check --help lists them.

@@ -4,32 +4,24 @@ from __future__ import annotations
 
 import argparse
 import sys
-from collections.abc import Sequence
 from typing import Any
 
 from hysdel_py.cli.arguments import (
     add_model,
     add_output,
     add_start,
-    assignments,
     given_vector,
     load_model,
-    number,
-    parts,
-    span,
 )
+from hysdel_py.cli.controller import add_demands, add_shape, all_limits, blocking_of, cost_of, references_of
 from hysdel_py.cli.output import add_files, check_files, check_picture, clear_progress, emit_trajectory, progress_line
 from hysdel_py.cli.tree import save_tree
 from hysdel_py.control.closed_loop import closed_loop
-from hysdel_py.control.costs import Cost
 from hysdel_py.control.hybrid_mpc import HybridMpc
-from hysdel_py.control.limits import Limits
-from hysdel_py.errors import ArgumentError
 from hysdel_py.model import Model
 from hysdel_py.optimize.node_log import NodeLog
-from hysdel_py.systems.mld import Mld
 
-__all__ = ["add_parser", "limits_of"]
+__all__ = ["add_parser"]
 
 _EPILOG = """\
 examples:
@@ -41,8 +33,6 @@ Weights, references and limits name outputs, states, inputs or auxiliaries of th
 A weighted signal without a reference follows 0. The plant of the loop is the model itself. The exit status is 1 if the
 loop ended early. In the column "status", 0 stands for a plan that is proven optimal and 1 for one that may not be.
 """
-
-_WORDS = {"x": "states", "y": "outputs", "u": "inputs", "z": "real auxiliaries", "d": "Booleans"}
 
 
 def add_parser(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
@@ -58,16 +48,7 @@ def add_parser(commands: argparse._SubParsersAction[argparse.ArgumentParser]) ->
     add_start(parser)
     parser.add_argument("--horizon", type=int, default=10, metavar="N", help="steps that are planned (default 10)")
     parser.add_argument("--steps", type=int, default=20, metavar="N", help="steps of the loop (default 20)")
-    for option, metavar, text in (
-        ("--weight", "NAME=VALUE", "weight of a signal in the cost"),
-        ("--terminal", "NAME=VALUE", "weight of a state at the end of the horizon"),
-        ("--ref", "NAME=VALUE", "reference of a weighted signal"),
-        ("--limit", "NAME=LOW:HIGH", "limit of an output, state or input; an end may be left out"),
-        ("--soft", "NAME[=PRICE]", "allow a limit to be exceeded at a price (default 1e4)"),
-        ("--weight-change", "NAME=VALUE", "weight of the change of an input from step to step"),
-        ("--limit-change", "NAME=LOW:HIGH", "limit of the change of an input from step to step"),
-    ):
-        parser.add_argument(option, metavar=metavar, action="append", default=[], help=f"{text}; may be repeated")
+    add_demands(parser)
     parser.add_argument("--backend", default="auto", help="solver of the quadratic programs: auto, dense, piqp or osqp")
     parser.add_argument("--time-limit", type=float, metavar="SECONDS", help="longest search per step (default none)")
     parser.add_argument("--node-limit", type=int, metavar="N", help="nodes of the branch and bound per step")
@@ -84,11 +65,8 @@ def add_parser(commands: argparse._SubParsersAction[argparse.ArgumentParser]) ->
 
 def _add_shape(parser: argparse.ArgumentParser) -> None:
     """Add what a plan may look like, and what happens without one."""
-    parser.add_argument("--norm", default="2", choices=["1", "2", "inf"], help="norm of the cost (default 2)")
+    add_shape(parser)
     parser.add_argument("--last-input", metavar="INPUT", default="", help="input before the first step, for changes")
-    parser.add_argument("--blocking", metavar="N,N,...", help="lengths of the blocks of equal inputs, as in 1,1,2,4")
-    parser.add_argument("--control-horizon", type=int, metavar="N", help="inputs that are decided; the last is held")
-    parser.add_argument("--binary-horizon", type=int, metavar="N", help="steps whose switches are decided exactly")
     parser.add_argument(
         "--fallback", choices=["soft", "last_plan"],
         help="input when there is no plan: from softened limits, or the next one of the last plan",
@@ -110,7 +88,7 @@ def run(options: argparse.Namespace) -> int:
     model = load_model(options)
     log = NodeLog()
     controller = _controller(model, options, log)
-    references = _references(options)
+    references = references_of(options)
     x0 = given_vector(options.x0, model.mld.x, "--x0", "state")
     last = given_vector(options.last_input, model.mld.u, "--last-input", "input") if _needs_last(options) else None
     _record_first(controller, options, x0, references, last)
@@ -159,100 +137,18 @@ def _record_first(controller: HybridMpc, options: argparse.Namespace, x0: Any, r
         controller.reset()
 
 
-def _blocking(options: argparse.Namespace) -> list[int] | None:
-    if options.blocking is None:
-        return None
-    lengths = [number(part, "--blocking") for part in options.blocking.split(",")]
-    if any(length != round(length) for length in lengths):
-        raise ArgumentError(f"--blocking is '{options.blocking}': whole numbers were expected, as in 1,1,2,4")
-    return [round(length) for length in lengths]
-
-
 def _controller(model: Model, options: argparse.Namespace, log: NodeLog) -> HybridMpc:
-    weights = assignments(options.weight, "--weight")
-    if not weights:
-        raise ArgumentError(f"--weight is missing: say what to control, as in --weight {_example(model.mld)}=1")
     return HybridMpc(
         model,
         options.horizon,
-        _cost(model.mld, weights, options),
-        _limits(model.mld, options),
+        cost_of(model.mld, options),
+        all_limits(model.mld, options),
         backend=options.backend,
         time_limit=options.time_limit,
         node_limit=options.node_limit,
         progress=log if options.node_log or options.tree else None,
-        blocking=_blocking(options),
+        blocking=blocking_of(options),
         control_horizon=options.control_horizon,
         binary_horizon=options.binary_horizon,
         fallback=options.fallback,
     )
-
-
-def _example(mld: Mld) -> str:
-    return next((v.name for v in (*mld.y, *mld.x)), "NAME")
-
-
-def _group_of(mld: Mld, name: str, keys: str, option: str) -> str:
-    for key in keys:
-        if any(v.name == name for v in getattr(mld, key)):
-            return key
-    known = [f"{_WORDS[key]} {', '.join(v.name for v in group)}" for key in keys if (group := getattr(mld, key))]
-    raise ArgumentError(f"{option} {name}: there is no such signal; there are the {'; '.join(known)}")
-
-
-def _cost(mld: Mld, weights: dict[str, float], options: argparse.Namespace) -> Cost:
-    terminal = assignments(options.terminal, "--terminal")
-    changes = assignments(options.weight_change, "--weight-change")
-    groups: dict[str, dict[str, float]] = {}
-    for name, value in weights.items():
-        groups.setdefault(_group_of(mld, name, "yxuzd", "--weight"), {})[name] = value
-    for name in terminal:
-        _group_of(mld, name, "x", "--terminal")
-    for name in changes:
-        _group_of(mld, name, "u", "--weight-change")
-    last: dict[str, Any] = {"terminal": terminal} if terminal else {}
-    return Cost(**groups, **last, du=changes, norm=options.norm)
-
-
-def _references(options: argparse.Namespace) -> dict[str, float] | None:
-    references = assignments(options.ref, "--ref")
-    weighted = assignments(options.weight, "--weight") | assignments(options.terminal, "--terminal")
-    for name in references:
-        if name not in weighted:
-            raise ArgumentError(
-                f"--ref {name}: it has no weight, so the reference would do nothing; give it one with "
-                f"--weight {name}=VALUE (weighted are {', '.join(weighted)})"
-            )
-    return references or None
-
-
-def limits_of(mld: Mld, texts: Sequence[str]) -> dict[str, Any]:
-    """The limits of ``NAME=LOW:HIGH`` texts by vector."""
-    groups: dict[str, Any] = {"x": {}, "y": {}, "u": {}}
-    for name, ends in _spans(texts, "--limit").items():
-        groups[_group_of(mld, name, "yxu", "--limit")][name] = ends
-    return groups
-
-
-def _limits(mld: Mld, options: argparse.Namespace) -> Limits:
-    changes = _spans(options.limit_change, "--limit-change")
-    for name in changes:
-        _group_of(mld, name, "u", "--limit-change")
-    groups = limits_of(mld, options.limit)
-    softened = dict(parts(options.soft, "--soft", "NAME or NAME=PRICE"))
-    for name in softened:
-        if name not in {**groups["x"], **groups["y"]}:
-            known = ", ".join([*groups["y"], *groups["x"]]) or "none"
-            raise ArgumentError(f"--soft {name}: it has no --limit as a state or output; those with one: {known}")
-    prices = {name: number(price, f"--soft {name}") for name, price in softened.items() if price is not None}
-    priced: dict[str, Any] = {"rho": prices} if prices else {}
-    return Limits(**groups, du=changes, soft=tuple(softened) if softened else False, **priced)
-
-
-def _spans(texts: Sequence[str], option: str) -> dict[str, tuple[float, float]]:
-    found = {}
-    for name, value in parts(texts, option, "NAME=LOW:HIGH"):
-        if value is None:
-            raise ArgumentError(f"{option} {name}: NAME=LOW:HIGH was expected, as in {option} {name}=0:1")
-        found[name] = span(value, f"{option} {name}")
-    return found

@@ -2,21 +2,22 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from concurrent.futures import Executor
 from dataclasses import dataclass, replace
 from math import isfinite
-from typing import TYPE_CHECKING, Any, Literal
+from typing import TYPE_CHECKING, Any, Literal, cast
 
 from hysdel_py.control.explicit_law import ExplicitLaw
+from hysdel_py.control.hybrid_mpc import HybridMpc
 from hysdel_py.control.law_domain import Box, Fixed, domain_of, fixed_values, substitution
 from hysdel_py.control.law_signals import LawSignals, last_input_name, reference_name
 from hysdel_py.control.linear_mpc import LinearMpc
 from hysdel_py.errors import ArgumentError
 
 if TYPE_CHECKING:
-    from hysdel_py.optimize.mpqp import MpQp, MpQpSettings
-    from hysdel_py.optimize.parametric.exploration import Progress
+    from hysdel_py.control.hybrid_law import HybridLaw
+    from hysdel_py.optimize.mpqp import MpQp
 
 __all__ = ["MoveKind", "ParametricController", "explicit", "parametric_controller"]
 
@@ -45,15 +46,16 @@ def explicit(
     *,
     fixed: Fixed = None,
     move: MoveKind | None = None,
-    settings: MpQpSettings | None = None,
+    settings: Any = None,
     executor: Executor | None = None,
-    progress: Progress | None = None,
-) -> ExplicitLaw:
+    progress: Callable[..., None] | None = None,
+) -> ExplicitLaw | HybridLaw:
     """Work out a controller's first move as a piecewise affine function of what it is told.
 
     Parameters
     ----------
-    controller : LinearMpc
+    controller : LinearMpc or HybridMpc
+        See :func:`~hysdel_py.control.explicit_hybrid.explicit_hybrid` for what is particular to a hybrid controller.
     box : mapping of parameter to (low, high), pair of vectors, or Polyhedron, optional
         The parameters of interest: states, under their names; the input applied last, ``u(-1)`` for an input u; and
         references, ``r(y)`` for an output y, constant over the horizon. The keys ``"x"``, ``"u"`` and ``"r"`` stand for
@@ -63,17 +65,18 @@ def explicit(
         Parameters that have one value; the law does not depend on them.
     move : "increment" or "input", optional
         What the law of a tracking controller gives: the change of the input, as by default, or the input.
-    settings : MpQpSettings, optional
+    settings : MpQpSettings, or MpMiqpSettings for a HybridMpc, optional
         Tolerances and limits of the exploration. One that a limit or Ctrl-C ends gives a law of what had been found,
         which says that it is not complete.
     executor : Executor, optional
         Anything with the ``submit`` of ``concurrent.futures``; the law does not depend on it.
     progress : callable, optional
-        Called with the numbers of regions found and of active sets waiting.
+        Called with the numbers of regions found and of active sets waiting; for a HybridMpc with those of sequences
+        solved, regions found and sequences waiting.
 
     Returns
     -------
-    ExplicitLaw
+    ExplicitLaw, or HybridLaw of a HybridMpc
         ``law(zeta)`` with the parameters in the order of ``law.names``; ``law.solve(x, ref, last_input)`` answers like
         the controller, so that :func:`closed_loop` takes the law.
 
@@ -93,10 +96,22 @@ def explicit(
     """
     from hysdel_py.optimize.mpqp import solve_mpqp
 
+    if isinstance(controller, HybridMpc):
+        return _of_hybrid(controller, box, fixed, move, settings=settings, executor=executor, progress=progress)
     found = parametric_controller(controller, box, fixed=fixed, move=move)
     solution = solve_mpqp(found.problem, settings, executor=executor, progress=progress)
     law = ExplicitLaw.of(solution, moves=len(found.signals.u), names=found.signals.free)
     return replace(law, signals=found.signals)
+
+
+def _of_hybrid(controller: HybridMpc, box: Box, fixed: Fixed, move: MoveKind | None, **options: Any) -> HybridLaw:
+    from hysdel_py.control.explicit_hybrid import explicit_hybrid
+
+    if move not in (None, "input"):
+        raise ArgumentError(f"move is {move!r}: a hybrid controller plans inputs, leave it out")
+    if not (box is None or isinstance(box, Mapping)):
+        raise ArgumentError("box is no mapping: ranges by the names of the parameters were expected")
+    return explicit_hybrid(controller, box, fixed=cast("Mapping[str, float] | None", fixed), **options)
 
 
 def parametric_controller(
@@ -105,7 +120,7 @@ def parametric_controller(
     """State the multi-parametric program behind :func:`explicit`, whose parameters these are."""
     if isinstance(controller, LinearMpc):
         return _of_linear(controller, box, fixed, move)
-    raise ArgumentError(f"controller is a {type(controller).__name__}: a LinearMpc was expected")
+    raise ArgumentError(f"controller is a {type(controller).__name__}: a LinearMpc or HybridMpc was expected")
 
 
 def _of_linear(controller: LinearMpc, box: Box, fixed: Fixed, move: MoveKind | None) -> ParametricController:

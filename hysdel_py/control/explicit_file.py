@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from itertools import pairwise
 from os import PathLike
 from typing import Any
@@ -15,7 +16,7 @@ from hysdel_py.control.law_signals import read_signals, signals_text
 from hysdel_py.errors import ArgumentError
 from hysdel_py.geometry.polyhedron import Polyhedron
 
-__all__ = ["load_law", "save_law"]
+__all__ = ["law_arrays", "law_of_arrays", "load_law", "save_law"]
 
 _FORMAT = 1
 _ARRAYS = ("A", "b", "starts", "K", "k", "P", "q", "r")
@@ -24,10 +25,11 @@ _ARRAYS = ("A", "b", "starts", "K", "k", "P", "q", "r")
 def save_law(law: ExplicitLaw, path: str | PathLike[str]) -> None:
     """Write a law; nothing in the file needs to be executed to read it."""
     with open(path, "wb") as file:
-        np.savez(file, **_content(law))
+        np.savez(file, **law_arrays(law))
 
 
-def _content(law: ExplicitLaw) -> dict[str, Any]:
+def law_arrays(law: ExplicitLaw) -> dict[str, Any]:
+    """All that a law consists of, as arrays."""
     return (
         {name: getattr(law, name) for name in _ARRAYS}
         | {
@@ -60,6 +62,11 @@ def load_law(path: str | PathLike[str]) -> ExplicitLaw:
         raise ArgumentError(f"{path} is not an .npz file: {error}") from None
     if content.get("format") != _FORMAT:
         raise ArgumentError(f"{path} holds no explicit law of format {_FORMAT}")
+    return law_of_arrays(content)
+
+
+def law_of_arrays(content: Mapping[str, Any]) -> ExplicitLaw:
+    """Inverse of :func:`law_arrays`."""
     return ExplicitLaw(
         **{name: content[name] for name in _ARRAYS},
         domain=Polyhedron(content["domain_rows"], content["domain_sides"]),

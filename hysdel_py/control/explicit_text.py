@@ -6,7 +6,7 @@ import numpy as np
 
 from hysdel_py.control.explicit_law import ExplicitLaw, Vector
 
-__all__ = ["describe_law"]
+__all__ = ["describe_law", "region_text"]
 
 _ROUNDING = 1e-12
 """Share of the greatest number of a sum below which a number is rounding."""
@@ -20,11 +20,12 @@ def describe_law(law: ExplicitLaw) -> str:
         "complete" if law.complete else "incomplete: there may be further regions",
     ]
     for region in range(law.count):
-        lines += _region(law, region)
+        lines += region_text(law, region)
     return "\n".join(lines) + "\n"
 
 
-def _region(law: ExplicitLaw, region: int) -> list[str]:
+def region_text(law: ExplicitLaw, region: int) -> list[str]:
+    """Lines of one region: active rows, rows over the parameters, moves."""
     A, b = law.rows(region)
     rows = ", ".join(str(row) for row in law.active[region]) or "none"
     lines = [f"region {region}, active rows: {rows}"]

@@ -27,6 +27,7 @@ from hysdel_py.control.epigraph import Epigraph, epigraph
 from hysdel_py.control.influence import influenced_outputs
 from hysdel_py.control.layout import Layout
 from hysdel_py.control.objective import Objective, cost_terms, objective, term_labels
+from hysdel_py.control.prepared import Prepared, prepare
 from hysdel_py.control.rows import Row, row_blocks
 from hysdel_py.control.shape import Shape
 from hysdel_py.control.weights import Norm, Weights
@@ -87,6 +88,7 @@ class Formulation:
         Its rows are the last ones of A.
     uses_last_input : bool
         Whether increments of the inputs are weighed or limited.
+    prepared : Prepared
     """
 
     layout: Layout
@@ -109,6 +111,7 @@ class Formulation:
     norm: Norm
     epigraph: Epigraph
     uses_last_input: bool
+    prepared: Prepared
 
     def describe_variable(self, index: int) -> str:
         """Say in words what a decision variable is, for example ``z[3] Tcl (line 23)``."""
@@ -130,17 +133,20 @@ class Formulation:
             Zeros by default; it counts only where `uses_last_input` says so.
         """
         p = np.concatenate([x0, np.zeros(self.layout.mld.nu) if last_input is None else last_input])
-        signals, targets = self.objective.signals, self._targets(references)
+        signals = self.objective.signals
+        targets = self.prepared.targets(references, len(signals.c))
         offset = signals.X @ p + signals.c - targets
-        pull = self.objective.Q @ offset
         moved = self.shift.X @ p + self.shift.c
-        moved[len(moved) - self.epigraph.references.shape[0] :] += self.epigraph.references @ targets
-        q = self.objective.linear + 2.0 * (signals.V.T @ pull)
-        return Vectors(q, self.low - moved, self.high - moved, self.lb, self._upper(targets), float(offset @ pull))
+        if self.norm.is_linear:
+            moved[len(moved) - self.epigraph.references.shape[0] :] += self.epigraph.references @ targets
+        q = self.objective.linear + self.prepared.gain @ offset
+        constant = float(offset @ (self.objective.Q @ offset))
+        return Vectors(q, self.low - moved, self.high - moved, self.lb, self._upper(targets), constant)
 
     def _upper(self, targets: Matrix) -> Matrix:
         ub = self.ub.copy()
-        ub[self.layout.term(0) :] = self.epigraph.largest(targets)
+        if self.norm.is_linear:
+            ub[self.layout.term(0) :] = self.epigraph.largest(targets)
         return ub
 
     def failed_conditions(self, x0: Matrix, tolerance: float) -> tuple[Row, ...]:
@@ -152,18 +158,11 @@ class Formulation:
 
     def residual(self, v: Matrix, vectors: Vectors) -> float:
         """Largest violation of a row or bound, relative to the size of the row's terms and at least absolute."""
-        value = self.A @ v
-        size = np.maximum(1.0, abs(self.A) @ np.abs(v))
+        value = self.prepared.rows @ v
+        size = np.maximum(1.0, self.prepared.magnitudes @ np.abs(v))
         rows = np.maximum(vectors.l - value, value - vectors.u) / size
         bounds = np.maximum(self.lb - v, v - vectors.ub) / np.maximum(1.0, np.abs(v))
         return float(max(rows.max(initial=0.0), bounds.max(initial=0.0)))
-
-    def _targets(self, references: Mapping[str, Matrix]) -> Matrix:
-        tracked = self.objective.tracked
-        return np.array(
-            [references[w.name][w.time] if w.group != "du" and w.name in references else 0.0 for w in tracked],
-            dtype=np.float64,
-        )
 
 
 def formulate(
@@ -195,10 +194,11 @@ def formulate(
     rows = [row for block in blocks for row in block.rows]
     active = np.diff(value.V.indptr) > 0
     binaries, stages = branching_variables(layout, shape.exact)
+    cost, A = objective(layout, terms, weights.norm, limits.rho), value.V[active].tocsc()
     return Formulation(
         layout=layout,
         limits=limits,
-        A=value.V[active].tocsc(),
+        A=A,
         lb=lb,
         ub=ub,
         binaries=binaries,
@@ -210,12 +210,13 @@ def formulate(
         high=high[active],
         conditions=_pick(value, ~active).shifted(-high[~active]),
         condition_rows=tuple(row for row, keep in zip(rows, active, strict=True) if not keep),
-        objective=objective(layout, terms, weights.norm, limits.rho),
+        objective=cost,
         unmovable=unmovable,
         shape=shape,
         norm=weights.norm,
         epigraph=extra,
         uses_last_input=limits.limits_increments or bool(len(weights.du.columns)),
+        prepared=prepare(cost, A),
     )
 
 

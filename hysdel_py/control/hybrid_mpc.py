@@ -209,10 +209,11 @@ class HybridMpc:
             measured, table, last, warm=warm, sample_time=self.sample_time, formulation=formulation
         )
         if move.ok:
-            self._reserve = None if move.predicted is None else Reserve(move.predicted.u)
+            if self._fallback is not None:
+                self._reserve = None if move.predicted is None else Reserve(move.predicted.u)
         elif self._fallback is not None:
             move = self._fall_back(move, (measured, table, last), formulation, limits)
-        return replace(move, seconds=time.perf_counter() - begin)
+        return move.at(time.perf_counter() - begin)
 
     def _fall_back(
         self,

@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from dataclasses import dataclass, field
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field, fields
 from enum import Enum
 from math import inf, nan
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,7 +16,7 @@ from hysdel_py.systems.trajectory import Trajectory
 if TYPE_CHECKING:
     from hysdel_py.control.formulation import Formulation, Vectors
 
-__all__ = ["Case", "Move", "MoveStatus"]
+__all__ = ["Case", "Deferred", "Move", "MoveStatus"]
 
 
 class MoveStatus(Enum):
@@ -69,6 +69,19 @@ class Case:
     vectors: Vectors
     v: NDArray[np.float64] | None = None
     formulation: Formulation | None = None
+
+
+class Deferred:
+    """A field of a move that is worked out when somebody asks for it."""
+
+    __slots__ = ("_make",)
+
+    def __init__(self, make: Callable[[], Any]) -> None:
+        self._make = make
+
+    def value(self) -> Any:
+        """Work it out."""
+        return self._make()
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -127,7 +140,26 @@ class Move:
     residual: float = nan
     case: Case | None = field(default=None, repr=False)
 
+    def __getattribute__(self, name: str) -> Any:
+        """Work out a deferred field at its first use; the trajectory of a plan costs more than many a search."""
+        value = object.__getattribute__(self, name)
+        if value.__class__ is Deferred:
+            value = value.value()
+            object.__setattr__(self, name, value)
+        return value
+
+    def at(self, seconds: float) -> Move:
+        """The same move with another time; what is deferred stays so."""
+        twin = object.__new__(Move)
+        for name in _FIELDS:
+            object.__setattr__(twin, name, object.__getattribute__(self, name))
+        object.__setattr__(twin, "seconds", seconds)
+        return twin
+
     @property
     def ok(self) -> bool:
         """Whether there is an input."""
         return self.u is not None
+
+
+_FIELDS = tuple(entry.name for entry in fields(Move))

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from functools import cache, partial
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -10,7 +12,7 @@ from numpy.typing import NDArray
 from hysdel_py.control.bands import NEVER_SOFT, ResolvedLimits
 from hysdel_py.control.formulation import Formulation, Vectors
 from hysdel_py.control.layout import Plan
-from hysdel_py.control.move import Case, Move, MoveStatus
+from hysdel_py.control.move import Case, Deferred, Move, MoveStatus
 from hysdel_py.control.prediction import as_trajectory
 from hysdel_py.control.ranges import onto_range
 from hysdel_py.control.settings import ControlTolerances
@@ -61,8 +63,11 @@ def judged(
     tolerances: ControlTolerances,
     *,
     sample_time: float = 1.0,
+    remark: Callable[[Plan], str] | None = None,
 ) -> tuple[Move, Plan | None]:
     """Check the answer of the branch and bound and put it into words.
+
+    The trajectory and the words are worked out when they are asked for; `remark` adds to the words.
 
     Returns
     -------
@@ -87,16 +92,21 @@ def judged(
     v = np.clip(v, formulation.lb, formulation.ub)
     plan = formulation.layout.split(v, x0)
     shape = formulation.shape
-    predicted = as_trajectory(formulation.layout.mld, plan, sample_time, shape.exact)
+    predicted = cache(partial(as_trajectory, formulation.layout.mld, plan, sample_time, shape.exact))
     status = MoveStatus.OPTIMAL if result.status.name == "OPTIMAL" else MoveStatus.FEASIBLE
     move = Move(
         status,
-        "; ".join([_worth(status, result), *_remarks(formulation, predicted, status)]),
-        u=predicted.u[0].copy(),
+        Deferred(  # type: ignore[arg-type]
+            lambda: (
+                "; ".join([_worth(status, result), *_remarks(formulation, predicted(), status)])
+                + ("" if remark is None else remark(plan))
+            )
+        ),
+        u=_first_input(formulation, plan),
         cost=float(result.objective),
         bound=float(result.bound),
         gap=float(result.gap),
-        predicted=predicted,
+        predicted=Deferred(predicted),  # type: ignore[arg-type]
         slack=dict(zip(formulation.limits.slacks, plan.slack.tolist(), strict=True)),
         nodes=result.nodes,
         qps=result.qps,
@@ -104,6 +114,16 @@ def judged(
         case=Case(vectors, v, formulation),
     )
     return move, plan
+
+
+def _first_input(formulation: Formulation, plan: Plan) -> Matrix:
+    """The input of stage 0, Boolean entries exactly 0 or 1."""
+    u: Matrix = plan.u[0].copy()
+    if formulation.shape.exact:
+        for i, variable in enumerate(formulation.layout.mld.u):
+            if variable.is_bool:
+                u[i] = np.round(u[i])
+    return u
 
 
 def _status_without_plan(name: str) -> MoveStatus:

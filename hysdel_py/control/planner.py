@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -13,7 +12,7 @@ from hysdel_py.control import construction, outcome
 from hysdel_py.control.formulation import Formulation, Vectors
 from hysdel_py.control.layout import Plan
 from hysdel_py.control.move import Move
-from hysdel_py.control.prediction import Step, shifted, simulated_binaries
+from hysdel_py.control.prediction import Step, shifted, shifted_sides, shifted_variables, simulated_binaries
 from hysdel_py.control.settings import ControlTolerances
 
 if TYPE_CHECKING:
@@ -55,10 +54,13 @@ class Planner:
         self.solver = construction.make_solver(formulation, settings)
         self._step, self._progress = step, progress
         self._plan: Plan | None = None
+        self._last: MiqpResult | None = None
+        self._has_kernel = getattr(self.solver, "workspace", None) is not None
+        self._before = shifted_sides(formulation)
 
     def reset(self) -> None:
         """Forget the last plan."""
-        self._plan = None
+        self._plan = self._last = None
 
     def plan(
         self,
@@ -80,11 +82,13 @@ class Planner:
             return outcome.refused(reasons, 0.0)
         vectors = f.vectors(x0, table, last)
         result = self._search(vectors, x0, warm)
-        move, plan = outcome.judged(f, vectors, x0, result, self.tolerances, sample_time=sample_time)
+        move, plan = outcome.judged(
+            f, vectors, x0, result, self.tolerances, sample_time=sample_time,
+            remark=lambda plan: self._remark_on_thresholds(plan, x0),
+        )  # fmt: skip
         self._plan = plan
-        if plan is None:
-            return move
-        return replace(move, message=move.message + self._remark_on_thresholds(plan, x0))
+        self._last = None if plan is None else result
+        return move
 
     def program(self, vectors: Vectors) -> Miqp:
         """Return the program of one call, to study it or to hand it to another solver."""
@@ -107,13 +111,27 @@ class Planner:
         )
 
     def _search(self, vectors: Vectors, x0: Matrix, warm: bool) -> MiqpResult:
+        hints = self._kernel_hints(warm) if self._has_kernel else self._hints(x0, warm)
         return self.solver.solve(
             **vectors.as_keywords(),
             floor=0.0,  # the cost is a sum of squares or absolute values
-            incumbent=self._guess(x0) if warm else None,
-            heuristic=self._heuristic(x0),
             progress=self._progress,
+            **hints,
         )
+
+    def _hints(self, x0: Matrix, warm: bool) -> dict[str, Any]:
+        """Guesses by the model's own simulation."""
+        return {"incumbent": self._guess(x0) if warm else None, "heuristic": self._heuristic(x0)}
+
+    def _kernel_hints(self, warm: bool) -> dict[str, Any]:
+        """The last plan and its active rows one step later; the kernels simulate by propagation."""
+        if not warm or self._last is None or self._last.x is None:
+            return {}
+        hints: dict[str, Any] = {"point": shifted_variables(self.formulation, self._last.x)}
+        if self._last.active is not None:
+            which = self._before[self._last.active[:, 0]]
+            hints["active"] = np.column_stack([which, self._last.active[:, 1]])[which >= 0]
+        return hints
 
     def _guess(self, x0: Matrix) -> Matrix | None:
         """Binaries of the last plan, one step later and as the model moves from the measured state."""

@@ -16,9 +16,18 @@ from hysdel_py.errors import HysdelError
 from hysdel_py.systems.mld import Mld
 from hysdel_py.systems.trajectory import Trajectory
 
-__all__ = ["Step", "as_trajectory", "choose_step", "shifted", "simulated_binaries"]
+__all__ = [
+    "Step",
+    "as_trajectory",
+    "choose_step",
+    "shifted",
+    "shifted_sides",
+    "shifted_variables",
+    "simulated_binaries",
+]
 
 Matrix = NDArray[np.float64]
+Indices = NDArray[np.int64]
 Step = Callable[[Matrix, Matrix], tuple[Matrix, Matrix, Matrix, Matrix]]
 
 
@@ -88,6 +97,35 @@ def shifted(plan: Plan) -> Plan:
         return np.vstack([values[1:], values[-1:]])
 
     return Plan(later(plan.x), later(plan.u), later(plan.d), later(plan.z), plan.slack)
+
+
+def shifted_variables(formulation: Formulation, v: Matrix) -> Matrix:
+    """Return the decision variables of a plan one step later, with its last stage repeated."""
+    layout = formulation.layout
+    size = layout.stage_size
+    stages = layout.horizon * size
+    later = v.copy()
+    later[: stages - size] = v[size:stages]
+    return later
+
+
+def shifted_sides(formulation: Formulation) -> Indices:
+    """Return for each row, then for each variable, the one of the stage before that says the same; -1 for none."""
+    m, size = len(formulation.rows), formulation.layout.stage_size
+    stages = formulation.layout.horizon * size
+    variables = np.arange(formulation.layout.n)
+    of_stages = variables < stages
+    variables = np.where(of_stages, np.where(variables >= size, variables - size + m, -1), variables + m)
+    place: dict[tuple[str, int, str, int], int] = {}
+    keys = []
+    for index, row in enumerate(formulation.rows):
+        number = 0
+        while (key := (row.kind, row.stage, row.text, number)) in place:
+            number += 1
+        place[key] = index
+        keys.append(key)
+    rows = [place.get((kind, stage - 1, text, number), -1) for kind, stage, text, number in keys]
+    return np.concatenate([np.array(rows, dtype=np.int64), variables.astype(np.int64)])
 
 
 def as_trajectory(mld: Mld, plan: Plan, sample_time: float = 1.0, exact: int | None = None) -> Trajectory:

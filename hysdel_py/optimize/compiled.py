@@ -13,21 +13,37 @@ from functools import cache
 from pathlib import Path
 from typing import Any, TypeVar
 
-__all__ = ["compiled", "either", "kernels_are_compiled"]
+__all__ = ["compiled", "either", "kernels_are_compiled", "leaf", "reordered"]
 
 F = TypeVar("F", bound=Callable[..., Any])
 
 
 def compiled(function: F) -> F:
     """The function, compiled at its first call where numba is installed."""
+    return _compile(function)
+
+
+def leaf(function: F) -> F:
+    """The same for a kernel that makes and returns no arrays: it need not count who uses those that it is given."""
+    return _compile(function, _nrt=False)
+
+
+def reordered(function: F) -> F:
+    """A leaf with sums whose terms may be added in any order, which lets several be added at once."""
+    return _compile(function, _nrt=False, fastmath={"reassoc", "contract"})
+
+
+def _compile(function: F, **options: Any) -> F:
     numba = _numba()
     if numba is None:
         return function
     _forget_stale_code(Path(function.__code__.co_filename).parent)
+    # Division by zero gives infinity, as it does for numpy's numbers in plain Python; checks for it cost time.
+    options["error_model"] = "numpy"
     try:
-        return numba.njit(cache=True)(function)  # type: ignore[no-any-return]
+        return numba.njit(cache=True, **options)(function)  # type: ignore[no-any-return]
     except RuntimeError:  # no place to keep the compiled code
-        return numba.njit(function)  # type: ignore[no-any-return]
+        return numba.njit(**options)(function)  # type: ignore[no-any-return]
 
 
 def either(loops: F, arrays: F) -> F:
@@ -56,7 +72,8 @@ def _numba() -> Any:
 @cache
 def _forget_stale_code(folder: Path) -> None:
     """Remove cached code that is older than any source beside it: the cache looks at a function's own file only."""
-    newest = max((source.stat().st_mtime for source in folder.glob("*.py")), default=0.0)
+    sources = [Path(__file__), *folder.glob("*.py")]
+    newest = max(source.stat().st_mtime for source in sources)
     for index in (folder / "__pycache__").glob("*.nbi"):
         with suppress(OSError):
             if index.stat().st_mtime < newest:

@@ -40,7 +40,7 @@ class CompiledPropagator:
         s = self.settings = settings or PropagationSettings()
         self.m, self.n = rows.shape
         self._rows = (rows.indptr.astype(np.int64), rows.indices.astype(np.int64), rows.data.astype(float))
-        self._columns = (columns.indptr.astype(np.int64), columns.indices.astype(np.int64))
+        self.columns = (columns.indptr.astype(np.int64), columns.indices.astype(np.int64))
         self._integer = np.zeros(self.n, dtype=np.bool_)
         self._integer[integers] = True
         self._numbers = (s.margin, s.integrality, s.progress, s.huge, s.rounds)
@@ -70,14 +70,14 @@ class CompiledPropagator:
         if conflict is not None:
             return Box(low, high, conflict, 0)
         queued = self._queue(changed)
-        found, rounds = propagate(self._rows, self._columns, self._integer, (low, high), (l, u), queued, self._numbers)
+        found, rounds = propagate(self._rows, self.columns, self._integer, (low, high), (l, u), queued, self._numbers)
         return Box(low, high, None if found < 0 else int(found), int(rounds))
 
     def _queue(self, changed: Indices | None) -> NDArray[np.bool_]:
         if changed is None:
             return np.ones(self.m, dtype=np.bool_)
         queued = np.zeros(self.m, dtype=np.bool_)
-        start, row = self._columns
+        start, row = self.columns
         for variable in changed:
             queued[row[start[variable] : start[variable + 1]]] = True
         return queued

@@ -63,22 +63,24 @@ class DenseSolver:
         Its matrices count; the vectors come with each call.
     integer : array of bool, shape (n,)
     settings : DenseSettings
+    P, rows, groups : tuples of arrays
+        Hessian and rows, compressed, and the groups of parallel rows, as the kernels want them.
     """
 
     qp: Qp
     integer: NDArray[np.bool_]
     settings: DenseSettings = field(default_factory=DenseSettings)
-    _P: Any = field(init=False)
-    _rows: Any = field(init=False)
-    _groups: Any = field(init=False)
+    P: Any = field(init=False)
+    rows: Any = field(init=False)
+    groups: Any = field(init=False)
 
     def __post_init__(self) -> None:
         from scipy.sparse import csr_array
 
         rows = csr_array(self.qp.A)
         rows.eliminate_zeros()
-        self._rows, self._P = _compressed(rows), _compressed(csr_array(self.qp.P))
-        self._groups = (*_parallel_rows(rows, self.integer), self.integer)
+        self.rows, self.P = _compressed(rows), _compressed(csr_array(self.qp.P))
+        self.groups = (*_parallel_rows(rows, self.integer), self.integer)
 
     def warm_up(self) -> None:
         """Load or compile the kernels now, so that the first node does not have to wait for them."""
@@ -108,13 +110,14 @@ class DenseSolver:
 
         start = perf_counter()
         s = self.settings
-        problem = (self._P, qp.q, self._rows, qp.l, qp.u, self.integer)
+        problem = (self.P, qp.q, self.rows, qp.l, qp.u, self.integer)
         status, iterations, w, y, active = solve_node(
             problem,
-            self._groups,
+            self.groups,
             box,
             (qp.lb, qp.ub),
-            NO_GUESS if guess is None else guess,
+            (NO_GUESS if guess is None else guess, np.zeros(0)),
+            (np.inf, 0.0, np.zeros(0), 0.0),
             (s.tolerance, s.iterations, s.proximity, s.rounds, s.largest),
         )
         seconds = perf_counter() - start

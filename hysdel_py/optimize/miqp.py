@@ -23,6 +23,7 @@ from hysdel_py.errors import ArgumentError
 from hysdel_py.optimize.backends.registry import get_backend
 from hysdel_py.optimize.compiled import kernels_are_compiled
 from hysdel_py.optimize.compiled_propagation import CompiledPropagator, propagator
+from hysdel_py.optimize.compiled_search import CompiledSearch, Hints, Workspace
 from hysdel_py.optimize.dense import dense_solver
 from hysdel_py.optimize.heuristics import Guesser
 from hysdel_py.optimize.mixed_integer import Miqp, MiqpResult, MiqpSettings, MiqpStatus, SearchInfo
@@ -60,10 +61,12 @@ class MiqpSolver:
         )
         self.propagator = propagator(miqp.qp.A, miqp.binaries, self.settings.propagation)
         self.guesser = Guesser.of(miqp, self.propagator)
-        if self.verified.dense is not None and kernels_are_compiled():
-            self.verified.dense.warm_up()
-        if isinstance(self.propagator, CompiledPropagator):
-            self.propagator.warm_up()
+        self.workspace: Workspace | None = None
+        if self.verified.dense is not None:
+            columns = CompiledPropagator(miqp.qp.A, miqp.binaries, self.settings.propagation).columns
+            self.workspace = Workspace(miqp, self.settings, self.verified.dense, columns)
+            if kernels_are_compiled():
+                CompiledSearch(self, self._problem(miqp.qp), perf_counter(), None, None).rehearse()
 
     def solve(
         self,
@@ -76,6 +79,8 @@ class MiqpSolver:
         constant: float | None = None,
         floor: float = -inf,
         incumbent: ArrayLike | None = None,
+        point: ArrayLike | None = None,
+        active: NDArray[np.int64] | None = None,
         heuristic: Heuristic | None = None,
         progress: Progress | None = None,
     ) -> MiqpResult:
@@ -91,6 +96,12 @@ class MiqpSolver:
             A lower bound of the objective that the caller knows.
         incumbent : array of shape (n,) or (number of binaries,), optional
             Guess of the solution; only its binaries are used, rounded, and the rest is solved for.
+        point : array of shape (n,), optional
+            A point whose drivers may be good ones: they are pushed through the rows to give the binaries of a first
+            solution. Only the dense kernels use it.
+        active : array of shape (rows, 2), optional
+            Rows, or m + variable, and signs of their sides that may be active at the relaxed solution. Only the dense
+            kernels use it; an earlier result has it as ``active``.
         heuristic : callable, optional
             ``heuristic(x, lb, ub)`` gets a relaxed point and the bounds of its node, arrays of length n, and returns
             one vector of binary values, several as rows, or None.
@@ -109,6 +120,9 @@ class MiqpSolver:
         """
         start = perf_counter()
         qp = self._problem(self.miqp.qp.with_vectors(q, l=l, u=u, lb=lb, ub=ub, constant=constant))
+        if self.workspace is not None:
+            hints = Hints(floor, self._guess(incumbent), None if point is None else np.asarray(point), active)
+            return CompiledSearch(self, qp, start, heuristic, progress).run(hints)
         search = Search(self, qp, start)
         search.heuristic, search.known = heuristic, floor
         search.open_root()
@@ -134,7 +148,7 @@ class MiqpSolver:
             raise ArgumentError(f"incumbent has shape {guess.shape}: ({n},) or ({count},) was expected")
         if guess.shape != (count,):
             guess = guess[self.miqp.binaries]
-        return guess
+        return np.round(guess) + 0.0
 
 
 def solve_miqp(miqp: Miqp, settings: MiqpSettings | None = None, **vectors: Any) -> MiqpResult:

@@ -206,6 +206,9 @@ class MiqpResult:
     message : str
     residual : float
         Largest absolute violation of a row or bound by x.
+    active : array of shape (rows, 2), or None
+        Active inequalities at the relaxed solution of the whole problem, where the dense kernels found them: a row, or
+        m + variable, and 1 for the upper side or -1 for the lower one.
     """
 
     status: MiqpStatus
@@ -218,6 +221,7 @@ class MiqpResult:
     seconds: float
     message: str
     residual: float
+    active: NDArray[np.int64] | None = None
 
 
 def _indices(value: ArrayLike | Sequence[int], n: int, name: str) -> Indices:

@@ -72,6 +72,8 @@ class Search:
         Least certified bound of the parts that are done.
     known : float
         Lower bound that the caller knows.
+    elsewhere, pending, solves_elsewhere : int, float, int
+        Open nodes that the compiled loop keeps, their least bound, and the programs that it solved.
     """
 
     def __init__(self, solver: MiqpSolver, qp: Qp, start: float) -> None:
@@ -85,6 +87,7 @@ class Search:
         self.nodes, self.solves_before = 0, solver.verified.solves
         self.leaves: dict[bytes, float] = {}
         self.unsettled, self.unbounded = "", False
+        self.elsewhere, self.pending, self.solves_elsewhere = 0, inf, 0
         self.record: NodeRecord | None = None
 
     # ---------------------------------------------------------------- steps of the main loop
@@ -202,9 +205,9 @@ class Search:
             return MiqpStatus.UNBOUNDED
         if progress is not None and progress(self.info()) is False:
             return MiqpStatus.INTERRUPTED
-        if self.stack and perf_counter() - self.start >= self.settings.time_limit:
+        if self.open and perf_counter() - self.start >= self.settings.time_limit:
             return MiqpStatus.TIME_LIMIT
-        if self.stack and self.nodes >= self.settings.node_limit:
+        if self.open and self.nodes >= self.settings.node_limit:
             return MiqpStatus.NODE_LIMIT
         return None
 
@@ -213,20 +216,23 @@ class Search:
     def bound(self) -> float:
         """Certified lower bound of the whole problem: the least of what is open and what is done."""
         open_bound = min((node.bound for node in self.stack), default=inf)
-        return min(self.floor, open_bound, self.objective)
+        return min(self.floor, open_bound, self.pending, self.objective)
+
+    @property
+    def open(self) -> int:
+        """Number of open nodes."""
+        return len(self.stack) + self.elsewhere
 
     def info(self) -> SearchInfo:
         """State for the progress callback."""
         seconds = perf_counter() - self.start
-        return SearchInfo(
-            self.nodes, self._solves(), len(self.stack), self.objective, self.bound(), seconds, self.record
-        )
+        return SearchInfo(self.nodes, self._solves(), self.open, self.objective, self.bound(), seconds, self.record)
 
     def stopped(self, status: MiqpStatus) -> MiqpResult:
         """Result of a run that ended before its time."""
         if status is MiqpStatus.UNBOUNDED:
             return self._result(status, -inf, -inf, "the real variables have a direction of descent without end")
-        message = f"stopped ({status.value}) with {len(self.stack)} open nodes"
+        message = f"stopped ({status.value}) with {self.open} open nodes"
         return self._result(status, self.objective, self.bound(), message)
 
     def finished(self) -> MiqpResult:
@@ -289,12 +295,15 @@ class Search:
         return verdict.answer.objective - verdict.bound <= allowed
 
     def _candidates(self, box: Box, x: Vector) -> Iterator[Vector]:
-        if self.heuristic is not None:
-            given = self.heuristic(x, box.lb, box.ub)
-            if given is not None:
-                yield from self._words(given)
+        yield from self.words_of_heuristic(box, x)
         if self.settings.rounding:
             yield from self.solver.guesser.guesses(box, (self.qp.l, self.qp.u), x)
+
+    def words_of_heuristic(self, box: Box, x: Vector) -> Iterator[Vector]:
+        """Yield what the caller's heuristic makes of a relaxed point, if there is one."""
+        given = None if self.heuristic is None else self.heuristic(x, box.lb, box.ub)
+        if given is not None:
+            yield from self._words(given)
 
     def _words(self, given: Any) -> Vector:
         words = np.atleast_2d(np.asarray(given, dtype=float))
@@ -312,7 +321,7 @@ class Search:
         return int(at[first[distance[first].argmax()]])
 
     def _solves(self) -> int:
-        return self.solver.verified.solves - self.solves_before
+        return self.solver.verified.solves - self.solves_before + self.solves_elsewhere
 
     def _result(self, status: MiqpStatus, objective: float, bound: float, message: str) -> MiqpResult:
         gap = max(0.0, objective - bound) if self.x is not None and status is not MiqpStatus.UNBOUNDED else inf

@@ -217,7 +217,7 @@ class VerifiedSolver:
             answer = replace(answer, objective=answer.objective + qp.constant - self.qp.constant)
         if np.any(qp.lb > qp.ub):
             return Verdict(answer, inf)
-        certifier = self._certifier(qp)
+        certifier = self.certifier(qp)
         claims_none = answer.status is QpStatus.INFEASIBLE
         if answer.status is not QpStatus.OPTIMAL and certifier.farkas_bound(qp, answer.y) > 0:
             return Verdict(replace(answer, status=QpStatus.INFEASIBLE), inf)
@@ -230,7 +230,7 @@ class VerifiedSolver:
         phase = elastic_phase_one(qp)
         if phase is None:
             return verdict
-        if self._certifier(qp).farkas_bound(qp, phase.y) > 0:
+        if self.certifier(qp).farkas_bound(qp, phase.y) > 0:
             message = f"{verdict.answer.message}; HiGHS gave a ray that proves infeasibility"
             return Verdict(replace(verdict.answer, status=QpStatus.INFEASIBLE, y=phase.y, message=message), inf)
         if verdict.optimal or verdict.bound > -inf or violation(qp, phase.x) > self.settings.feasibility:
@@ -241,7 +241,8 @@ class VerifiedSolver:
         message = f"{verdict.answer.message}; HiGHS gave a direction of descent without end"
         return Verdict(replace(verdict.answer, status=QpStatus.UNBOUNDED, x=direction, message=message), -inf)
 
-    def _certifier(self, qp: Qp) -> Certifier:
+    def certifier(self, qp: Qp) -> Certifier:
+        """The certificates for problems whose variables are bounded where those of `qp` are."""
         free = ~np.isfinite(qp.lb) | ~np.isfinite(qp.ub)
         key = free.tobytes()
         if key not in self._certifiers:

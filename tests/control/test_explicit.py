@@ -206,7 +206,7 @@ def test_files_keep_what_the_parameters_mean(tmp_path):
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [
-        ({"controller": "mpc"}, "controller is a str: a LinearMpc was expected"),
+        ({"controller": "mpc"}, "controller is a str: a LinearMpc or HybridMpc was expected"),
         ({"box": None}, "box has no interval for h, q, and"),
         ({"box": {"speed": (0, 1)}}, "there is no parameter 'speed'; expected one of h, q, flow"),
         ({"box": {"x": (1, -1), "r": (0, 1)}}, r"box of h is \[1, -1\]"),

@@ -11,7 +11,7 @@ from hysdel_py.control.hybrid_mpc import HybridMpc
 from hysdel_py.control.influence import influenced_outputs
 from hysdel_py.control.layout import Plan
 from hysdel_py.control.limits import Limits
-from hysdel_py.control.prediction import shifted, simulated_binaries
+from hysdel_py.control.prediction import shifted, shifted_sides, simulated_binaries
 from hysdel_py.errors import SimulationError
 
 
@@ -61,7 +61,7 @@ def test_warm_start_and_heuristic_reach_the_search(systems):
         mld = systems.heater()
         dha = SimpleNamespace(d=mld.d, z=mld.z, step=lambda x, u, check: systems.heater_step(x, u))
 
-    mpc = HybridMpc(Heater(), 3, Cost(y={"felt": 1}))
+    mpc = HybridMpc(Heater(), 3, Cost(y={"felt": 1}), backend="piqp")  # the kernels simulate by themselves
     seen = []
     solver = mpc._planner.solver
     mpc._planner.solver = SimpleNamespace(solve=lambda **call: seen.append(call) or solver.solve(**call))
@@ -80,6 +80,33 @@ def test_warm_start_and_heuristic_reach_the_search(systems):
         x, _, d, _ = systems.heater_step(x, row)
         expected += [row[1], d[0]]
     assert seen[2]["incumbent"].tolist() == expected
+
+
+def test_the_kernels_are_given_the_shifted_plan_and_its_active_rows(systems):
+    mpc = HybridMpc(systems.heater(), 3, Cost(y={"felt": 1}), backend="dense")
+    solver, seen = mpc._planner.solver, []
+    mpc._planner.solver = SimpleNamespace(solve=lambda **call: seen.append(call) or solver.solve(**call))
+    first = mpc.solve([0.0, 1.0], {"felt": 4.0})
+    mpc.solve([0.0, 1.0], {"felt": 4.0})
+    mpc.solve([0.0, 1.0], {"felt": 4.0}, warm=False)
+    assert ["point" in call for call in seen] == [False, True, False]
+    f, size = mpc.formulation, mpc.formulation.layout.stage_size
+    v = first.case.v
+    np.testing.assert_allclose(seen[1]["point"], np.concatenate([v[size:], v[-size:]]), atol=1e-9)
+    assert seen[1]["active"].shape[1] == 2
+    assert (seen[1]["active"][:, 0] < len(f.rows) + f.layout.n).all()
+
+
+def test_rows_and_variables_know_their_partners_of_the_stage_before(systems):
+    mpc = HybridMpc(systems.heater(), 3, Cost(y={"felt": 1}))
+    f = mpc.formulation
+    before, m, size = shifted_sides(f), len(f.rows), f.layout.stage_size
+    assert before[m : m + size].tolist() == [-1] * size
+    assert before[m + size : m + 2 * size].tolist() == list(range(m, m + size))
+    for row in np.flatnonzero(before[:m] >= 0):
+        here, there = f.rows[row], f.rows[before[row]]
+        assert (here.kind, here.stage - 1, here.text) == (there.kind, there.stage, there.text)
+    assert (before[:m] >= 0).any()
 
 
 def test_the_last_value_of_a_preview_holds_at_the_end(systems):

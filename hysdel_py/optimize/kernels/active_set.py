@@ -4,7 +4,8 @@
 
 Source: D. Goldfarb and A. Idnani, "A numerically stable dual method for solving strictly convex quadratic programs",
 Mathematical Programming 27, 1983; the factors are those of M. J. D. Powell, "ZQPCVX, a FORTRAN subroutine for convex
-quadratic programming", 1983: ``J'H J = I`` and ``J'N_A = [R; 0]`` for the active rows A.
+quadratic programming", 1983: ``J'H J = I`` and ``J'N_A = [R; 0]`` for the active rows A. What is kept is the transpose
+of J, whose rows are what every step runs along.
 
 Every iterate minimises over its active rows, so the dual objective only grows, and the method may stop as soon as it
 has passed a value that is not worth beating. It starts from any set of rows: those with a negative multiplier are let
@@ -15,9 +16,10 @@ from __future__ import annotations
 
 import numpy as np
 
-from hysdel_py.optimize.compiled import compiled
+from hysdel_py.optimize.compiled import compiled, leaf
+from hysdel_py.optimize.kernels.linear import add_multiple, dot, square
 
-__all__ = ["BEATEN", "EMPTY", "LIMIT", "SOLVED", "inverse_factor", "solve", "start_from"]
+__all__ = ["BEATEN", "EMPTY", "LIMIT", "SOLVED", "inverse_factor", "solve", "start_from", "work_space"]
 
 SOLVED, EMPTY, BEATEN, LIMIT = 0, 1, 2, 3
 
@@ -27,31 +29,32 @@ DEPENDENT = 1e-10
 
 @compiled
 def inverse_factor(H):
-    """The transposed inverse of the Cholesky factor; the flag tells whether H is positive definite."""
+    """The inverse of the Cholesky factor L; the flag tells whether H is positive definite."""
     n = len(H)
     L = np.zeros((n, n))
-    for j in range(n):
-        total = H[j, j]
-        for k in range(j):
-            total -= L[j, k] * L[j, k]
+    inverse = np.zeros((n, n))
+    for i in range(n):
+        for j in range(i):
+            L[i, j] = (H[i, j] - dot(L[i, :j], L[j, :j])) / L[j, j]
+        total = H[i, i] - square(L[i, :i], 0)
         if total <= 0.0:
-            return L, False
+            return inverse, False
         root = np.sqrt(total)
-        L[j, j] = root
-        for i in range(j + 1, n):
-            total = H[i, j]
-            for k in range(j):
-                total -= L[i, k] * L[j, k]
-            L[i, j] = total / root
-    J = np.zeros((n, n))
-    for column in range(n):  # column of the inverse of L, which is a row of J transposed
-        J[column, column] = 1.0 / L[column, column]
-        for i in range(column + 1, n):
-            total = 0.0
-            for k in range(column, i):
-                total -= L[i, k] * J[column, k]
-            J[column, i] = total / L[i, i]
-    return J, True
+        L[i, i] = root
+        for k in range(i):
+            if L[i, k] != 0.0:
+                add_multiple(inverse[i], -L[i, k], inverse[k, : k + 1])
+        for j in range(i):
+            inverse[i, j] /= root
+        inverse[i, i] = 1.0 / root
+    return inverse, True
+
+
+@compiled
+def work_space(J):
+    """Empty active set over a factor: (transposed J, R, active, u, count, v)."""
+    n = len(J)
+    return J, np.zeros((n, n)), np.zeros(n, dtype=np.int64), np.zeros(n), np.zeros(1, dtype=np.int64), np.zeros(n)
 
 
 @compiled
@@ -66,7 +69,7 @@ def solve(N, b, f, work, cutoff, settings):
     f : array of shape (n,)
     work : (J, R, active, u, count, v)
         Factors, rows of the active set in the order of the columns of R, their multipliers, an array with their
-        number as its only entry, and the point; changed in place.
+        number as its only entry, and the point; changed in place. See :func:`work_space`.
     cutoff : float
         Value of ``1/2 v'H v + f'v`` that is not worth beating.
     settings : (tolerance, iterations)
@@ -77,7 +80,8 @@ def solve(N, b, f, work, cutoff, settings):
         `row` is the one that cannot be satisfied, if the problem is empty; the multipliers of the ray are then 1 for
         it and those in the work space for the active rows.
     """
-    v = work[5]
+    v, multipliers = work[5], work[3]
+    d, z, r = np.zeros(len(v)), np.zeros(len(v)), np.zeros(len(v))
     minimise_over_active(b, f, work)
     iterations = 0
     while True:
@@ -91,7 +95,7 @@ def solve(N, b, f, work, cutoff, settings):
             iterations += 1
             if iterations > settings[1]:
                 return LIMIT, iterations, -1
-            d, z, r = directions(N[row], work)
+            directions(N[row], work, d, z, r)
             curvature = square(d, work[4][0])
             partial, leaving = longest_dual_step(r, work)
             full = np.inf
@@ -100,39 +104,20 @@ def solve(N, b, f, work, cutoff, settings):
             step = min(partial, full)
             if step == np.inf:
                 for i in range(work[4][0]):
-                    work[3][i] = -r[i]
+                    multipliers[i] = -r[i]
                 return EMPTY, iterations, row
             for i in range(work[4][0]):
-                work[3][i] -= step * r[i]
+                multipliers[i] -= step * r[i]
             paid += step
             if full < np.inf:
-                for i in range(len(v)):
-                    v[i] += step * z[i]
+                add_multiple(v, step, z)
             if full <= partial:
                 add(row, paid, d, work)
                 break
             drop(leaving, work)
 
 
-@compiled
-def dot(a, b):
-    """Inner product."""
-    total = 0.0
-    for i in range(len(a)):
-        total += a[i] * b[i]
-    return total
-
-
-@compiled
-def square(d, first):
-    """Squared length of the entries from `first` on."""
-    total = 0.0
-    for i in range(first, len(d)):
-        total += d[i] * d[i]
-    return total
-
-
-@compiled
+@leaf
 def most_violated(N, b, v, tolerance):
     """Row that is missed by most, -1 if all hold."""
     worst, at = tolerance, -1
@@ -143,7 +128,7 @@ def most_violated(N, b, v, tolerance):
     return at
 
 
-@compiled
+@leaf
 def dual_value(v, f, b, work):
     """Value at the minimiser over the active rows: half of f'v plus half of u'b."""
     total = dot(f, v)
@@ -152,33 +137,29 @@ def dual_value(v, f, b, work):
     return 0.5 * total
 
 
-@compiled
-def directions(normal, work):
-    """``d = J'normal``, the primal direction ``J2 d2`` and the dual one ``R^-1 d1``."""
+@leaf
+def directions(normal, work, d, z, r):
+    """Write ``d = J'normal``, the primal direction ``J2 d2`` and the dual one ``R^-1 d1``."""
     J, R, count = work[0], work[1], work[4][0]
-    n = len(normal)
-    d = np.zeros(n)
-    for i in range(n):
-        a = normal[i]
-        if a != 0.0:
-            for j in range(n):
-                d[j] += J[i, j] * a
-    z = np.zeros(n)
-    for i in range(n):
-        total = 0.0
-        for j in range(count, n):
-            total += J[i, j] * d[j]
-        z[i] = total
-    r = np.zeros(n)
+    z[:] = 0.0
+    for j in range(len(normal)):
+        d[j] = dot(J[j], normal)
+        if j >= count:
+            add_multiple(z, d[j], J[j])
+    solve_upper(R, d, r, count)
+
+
+@leaf
+def solve_upper(R, right, x, count):
+    """Solve ``R' x = right``, where the transposed R, upper triangular, is kept by its columns."""
+    for i in range(count):
+        x[i] = right[i]
     for i in range(count - 1, -1, -1):
-        total = d[i]
-        for k in range(i + 1, count):
-            total -= R[i, k] * r[k]
-        r[i] = total / R[i, i]
-    return d, z, r
+        x[i] /= R[i, i]
+        add_multiple(x, -x[i], R[i, :i])
 
 
-@compiled
+@leaf
 def longest_dual_step(r, work):
     """Step at which the first multiplier becomes zero, and its place."""
     step, leaving = np.inf, -1
@@ -188,53 +169,48 @@ def longest_dual_step(r, work):
     return max(step, 0.0), leaving
 
 
-@compiled
+@leaf
 def add(row, multiplier, d, work):
     """Put a row into the active set; `d` is J times its normal."""
     J, R, count = work[0], work[1], work[4][0]
-    n = len(d)
-    for j in range(n - 1, count, -1):
+    for j in range(len(d) - 1, count, -1):
         if d[j] != 0.0:
-            rotate(J, d, j)
+            length = np.hypot(d[j - 1], d[j])
+            turn(J[j - 1], J[j], d[j - 1] / length, d[j] / length)
+            d[j - 1], d[j] = length, 0.0
     for i in range(count + 1):
-        R[i, count] = d[i]
+        R[count, i] = d[i]
     work[2][count] = row
     work[3][count] = multiplier
     work[4][0] = count + 1
 
 
-@compiled
-def rotate(J, d, j):
-    """Turn columns j-1 and j of J so that entry j of d vanishes."""
-    length = np.hypot(d[j - 1], d[j])
-    c, s = d[j - 1] / length, d[j] / length
-    d[j - 1], d[j] = length, 0.0
-    for i in range(len(J)):
-        first, second = J[i, j - 1], J[i, j]
-        J[i, j - 1] = c * first + s * second
-        J[i, j] = c * second - s * first
+@leaf
+def turn(first, second, c, s):
+    """Turn a pair of rows of the transposed J, or of columns of R."""
+    for i in range(len(first)):
+        a, b = first[i], second[i]
+        first[i] = c * a + s * b
+        second[i] = c * b - s * a
 
 
-@compiled
+@leaf
 def drop(place, work):
     """Take a row out of the active set."""
     J, R, active, u, count = work[0], work[1], work[2], work[3], work[4][0]
     for k in range(place, count - 1):
         active[k], u[k] = active[k + 1], u[k + 1]
         for i in range(k + 2):
-            R[i, k] = R[i, k + 1]
+            R[k, i] = R[k + 1, i]
     for k in range(place, count - 1):
-        length = np.hypot(R[k, k], R[k + 1, k])
-        c, s = R[k, k] / length, R[k + 1, k] / length
-        R[k, k], R[k + 1, k] = length, 0.0
+        length = np.hypot(R[k, k], R[k, k + 1])
+        c, s = R[k, k] / length, R[k, k + 1] / length
+        R[k, k], R[k, k + 1] = length, 0.0
         for j in range(k + 1, count - 1):
-            first, second = R[k, j], R[k + 1, j]
-            R[k, j] = c * first + s * second
-            R[k + 1, j] = c * second - s * first
-        for i in range(len(J)):
-            first, second = J[i, k], J[i, k + 1]
-            J[i, k] = c * first + s * second
-            J[i, k + 1] = c * second - s * first
+            a, b = R[j, k], R[j, k + 1]
+            R[j, k] = c * a + s * b
+            R[j, k + 1] = c * b - s * a
+        turn(J[k], J[k + 1], c, s)
     work[4][0] = count - 1
 
 
@@ -257,31 +233,29 @@ def point_of_active(b, f, work):
     """With w = J^-1 v: ``R'w1 = b_A``, ``w2 = -J2'f``, ``R u = w1 + J1'f``."""
     J, R, active, u, count, v = work[0], work[1], work[2], work[3], work[4][0], work[5]
     n = len(v)
-    g = np.zeros(n)
-    for i in range(n):
-        for j in range(n):
-            g[j] += J[i, j] * f[i]
-    w = -g
+    g, w = np.zeros(n), np.zeros(n)
+    for j in range(n):
+        g[j] = dot(J[j], f)
+        w[j] = -g[j]
     for i in range(count):
-        total = b[active[i]]
-        for k in range(i):
-            total -= R[k, i] * w[k]
-        w[i] = total / R[i, i]
-    for i in range(count - 1, -1, -1):
-        total = w[i] + g[i]
-        for k in range(i + 1, count):
-            total -= R[i, k] * u[k]
-        u[i] = total / R[i, i]
-    for i in range(n):
-        v[i] = dot(J[i], w)
+        w[i] = (b[active[i]] - dot(R[i, :i], w[:i])) / R[i, i]
+    for i in range(count):
+        g[i] += w[i]
+    solve_upper(R, g, u, count)
+    v[:] = 0.0
+    for j in range(n):
+        add_multiple(v, w[j], J[j])
 
 
 @compiled
 def start_from(rows, N, work):
     """Build the factors of a wished active set; rows that depend on those before are left out."""
+    J, n = work[0], len(work[5])
+    d = np.zeros(n)
     for row in rows:
-        if work[4][0] >= len(work[5]):
+        if work[4][0] >= n:
             return
-        d, _, _ = directions(N[row], work)
+        for j in range(n):
+            d[j] = dot(J[j], N[row])
         if square(d, work[4][0]) > 1e-12 * square(d, 0):
             add(row, 0.0, d, work)

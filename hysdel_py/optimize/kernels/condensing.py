@@ -13,7 +13,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from hysdel_py.optimize.compiled import compiled
+from hysdel_py.optimize.compiled import compiled, leaf
+from hysdel_py.optimize.kernels.linear import add_multiple, square
 
 __all__ = ["condense", "lift_multipliers"]
 
@@ -23,6 +24,8 @@ MEET = 1e-9
 """Sides of a group that are closer than this, relative to their size, are one side."""
 PIVOT = 1e-3
 """The variable that a row defines has at least this share of its greatest coefficient."""
+EMPTY_ROW = 1e-12
+"""A row whose coefficients are together shorter than this says nothing about the free variables."""
 FREE, DEFINED, CONSTANT = 0, 1, 2
 
 
@@ -44,15 +47,19 @@ def condense(problem, groups, box, wide):
 
     Returns
     -------
-    Z : array of shape (n, k + 1)
-        The last column is z0.
+    Z, z0 : arrays of shape (n, k), (n,)
     H, f : arrays of shape (k, k), (k,)
     N, b : rows ``N v >= b`` of unit length
     source : array of shape (rows, 2)
         Row of the problem (or m + variable for a bound) and the sign of its side: 1 for the upper one.
     length : array
         What the row of the problem was divided by.
-    definitions : (variable, row at the upper side, row at the lower side, scales of both), in the order of variables
+    defining : array
+        Group that defines each variable, -1 for none.
+    merged
+        See :func:`merge_groups`.
+    place : array
+        Number of each variable among the free ones, -1 for the others.
     """
     P, q, rows, l, u, integer = problem
     n = len(q)
@@ -65,10 +72,11 @@ def condense(problem, groups, box, wide):
         if kind[j] == FREE:
             place[j] = k
             k += 1
-    Z = substitute(rows, groups, merged, (kind, value, defining, place), k)
-    H, f = project(P, q, Z, k)
-    N, b, source, length = inequalities(problem, groups, merged, (kind, defining), (Z, box, wide))
-    return Z, H, f, N, b, source, length, defining, merged
+    places = (kind, value, defining, place)
+    Z, z0 = substitute(rows, groups, merged, places, k)
+    H, f = project(P, q, Z, z0)
+    N, b, source, length = inequalities(problem, groups, merged, places, (Z, z0), (box, wide))
+    return Z, z0, H, f, N, b, source, length, defining, merged, place
 
 
 @compiled
@@ -118,7 +126,7 @@ def merge_groups(rows, l, u, groups, integer, box):
     return low, high, at_low, at_high, meet, inside
 
 
-@compiled
+@leaf
 def fixed_part(row, rows, integer, box):
     """Sum of the binary terms of a row, and whether all of them are fixed."""
     start, column, value = rows
@@ -163,12 +171,12 @@ def substitute(rows, groups, merged, places, k):
     start, column, value = rows
     kind, constant, defining, place = places
     n = len(kind)
-    Z = np.zeros((n, k + 1))
+    Z, z0 = np.zeros((n, k)), np.zeros(n)
     for j in range(n):
         if kind[j] == FREE:
             Z[j, place[j]] = 1.0
         elif kind[j] == CONSTANT:
-            Z[j, k] = constant[j]
+            z0[j] = constant[j]
         else:
             g = defining[j]
             row = groups[1][groups[0][g]]
@@ -178,49 +186,88 @@ def substitute(rows, groups, merged, places, k):
                 if i == j:
                     own = value[at]
                 elif not groups[3][i]:
-                    for c in range(k + 1):
-                        Z[j, c] -= value[at] * Z[i, c]
-            Z[j, k] += 0.5 * (merged[0][g] + merged[1][g])
-            for c in range(k + 1):
+                    z0[j] -= value[at] * z0[i]
+                    if kind[i] != CONSTANT:
+                        add_multiple(Z[j], -value[at], Z[i])
+            z0[j] = (z0[j] + 0.5 * (merged[0][g] + merged[1][g])) / own
+            for c in range(k):
                 Z[j, c] /= own
-    return Z
+    return Z, z0
 
 
 @compiled
-def project(P, q, Z, k):
+def project(P, q, Z, z0):
     """Hessian and gradient in the free variables."""
     start, column, value = P
-    n = len(q)
-    H, f = np.zeros((k, k)), np.zeros(k)
-    t = np.zeros(k + 1)
+    n, k = Z.shape
+    H, f, t = np.zeros((k, k)), np.zeros(k), np.zeros(k)
     for i in range(n):
         if start[i] == start[i + 1] and q[i] == 0.0:
             continue
         t[:] = 0.0
+        slope = q[i]
         for at in range(start[i], start[i + 1]):
-            j, p = column[at], value[at]
-            for c in range(k + 1):
-                t[c] += p * Z[j, c]
+            slope += value[at] * z0[column[at]]
+            add_multiple(t, value[at], Z[column[at]])
+        add_multiple(f, slope, Z[i])
         for a in range(k):
-            factor = Z[i, a]
-            if factor != 0.0:
-                f[a] += factor * (t[k] + q[i])
-                for c in range(k):
-                    H[a, c] += factor * t[c]
+            if Z[i, a] != 0.0:
+                add_multiple(H[a], Z[i, a], t)
     return H, f
 
 
 @compiled
-def inequalities(problem, groups, merged, places, ranges):
+def inequalities(problem, groups, merged, places, lifted, ranges):
     """Sides of rows and bounds of variables that the box does not settle, as rows ``N v >= b`` of unit length."""
-    rows, l = problem[2], problem[3]
-    kind, defining = places
-    Z, box, wide = ranges
-    n, k, m = len(kind), Z.shape[1] - 1, len(l)
-    limit = 2 * (m + n)
-    N, b = np.zeros((limit, k)), np.zeros(limit)
-    source = np.zeros((limit, 2), dtype=np.int64)
-    length = np.zeros(limit)
+    source = open_sides(problem, groups, merged, places, ranges)
+    limit, k = len(source), lifted[0].shape[1]
+    N, b, length = np.zeros((limit, k)), np.zeros(limit), np.zeros(limit)
+    count = 0
+    for i in range(limit):
+        which, sign = source[i, 0], float(source[i, 1])
+        b[count] = fill(which, sign, problem, places, lifted, ranges, N[count])
+        size = np.sqrt(square(N[count], 0))
+        if size <= EMPTY_ROW:
+            N[count] = 0.0
+            continue
+        for c in range(k):
+            N[count, c] /= size
+        b[count] /= size
+        length[count] = size
+        source[count] = source[i]
+        count += 1
+    return N[:count], b[:count], source[:count], length[:count]
+
+
+@leaf
+def fill(which, sign, problem, places, lifted, ranges, normal):
+    """Write one side as ``normal v >= side``; returns the side."""
+    (start, column, value), l, u = problem[2], problem[3], problem[4]
+    (kind, _, _, place), (Z, z0), (box, wide) = places, lifted, ranges
+    if which >= len(l):
+        j = which - len(l)
+        ends = box if kind[j] == FREE else wide
+        add_multiple(normal, -sign, Z[j])
+        return sign * (z0[j] - (ends[1][j] if sign > 0 else ends[0][j]))
+    total = 0.0
+    for at in range(start[which], start[which + 1]):
+        j, a = column[at], value[at]
+        total += a * z0[j]
+        if kind[j] == FREE:
+            normal[place[j]] -= sign * a
+        elif kind[j] == DEFINED:
+            add_multiple(normal, -sign * a, Z[j])
+    return sign * (total - (u[which] if sign > 0 else l[which]))
+
+
+@compiled
+def open_sides(problem, groups, merged, places, ranges):
+    """The sides that the box does not settle: row (or m + variable) and 1 for an upper side, -1 for a lower one."""
+    rows, l, u = problem[2], problem[3], problem[4]
+    kind, defining = places[0], places[2]
+    box, wide = ranges
+    n, m = len(kind), len(l)
+    source = np.empty((2 * (m + n), 2), dtype=np.int64)
     count = 0
     for g in range(len(merged[4])):
         if merged[4][g] and owned(g, rows, groups, defining):
@@ -228,27 +275,44 @@ def inequalities(problem, groups, merged, places, ranges):
         for side in range(2):  # of the merged row: the upper, then the lower one
             at = merged[3][g] if side == 0 else merged[2][g]
             if at >= 0:
-                row = groups[1][at]
-                upper = (groups[2][at] > 0) == (side == 0)
-                count = put_row(row, upper, problem, (Z, box), (N, b, source, length), count)
+                sign = 1 if (groups[2][at] > 0) == (side == 0) else -1
+                count = keep_if_open(groups[1][at], sign, rows, l, u, box, source, count)
     for row in range(m):
         if not merged[5][row]:
-            count = put_row(row, True, problem, (Z, box), (N, b, source, length), count)
-            count = put_row(row, False, problem, (Z, box), (N, b, source, length), count)
+            count = keep_if_open(row, 1, rows, l, u, box, source, count)
+            count = keep_if_open(row, -1, rows, l, u, box, source, count)
     for j in range(n):
         if kind[j] == CONSTANT:
             continue
         low, high = (box[0][j], box[1][j]) if kind[j] == FREE else (wide[0][j], wide[1][j])
         if kind[j] == DEFINED and implied(j, defining[j], rows, groups, merged, box, low, high):
             continue
-        if np.isfinite(high):
-            count = put(Z[j], 1.0, high, (m + j, 1), (N, b, source, length), count)
-        if np.isfinite(low):
-            count = put(Z[j], -1.0, -low, (m + j, -1), (N, b, source, length), count)
-    return N[:count], b[:count], source[:count], length[:count]
+        if high < np.inf:
+            source[count, 0], source[count, 1] = m + j, 1
+            count += 1
+        if low > -np.inf:
+            source[count, 0], source[count, 1] = m + j, -1
+            count += 1
+    return source[:count].copy()
 
 
-@compiled
+@leaf
+def keep_if_open(row, sign, rows, l, u, box, source, count):
+    """Note one side of a row, unless it is missing or holds everywhere in the box."""
+    side = u[row] if sign > 0 else -l[row]
+    if side == np.inf:
+        return count
+    reach = 0.0
+    for at in range(rows[0][row], rows[0][row + 1]):
+        j, a = rows[1][at], sign * rows[2][at]
+        reach += a * (box[1][j] if a > 0 else box[0][j])
+    if reach <= side:
+        return count
+    source[count, 0], source[count, 1] = row, sign
+    return count + 1
+
+
+@leaf
 def owned(g, rows, groups, defining):
     """Whether a group defines a variable."""
     row = groups[1][groups[0][g]]
@@ -258,7 +322,7 @@ def owned(g, rows, groups, defining):
     return False
 
 
-@compiled
+@leaf
 def implied(j, g, rows, groups, merged, box, low, high):
     """Whether the definition keeps a variable within its bounds for every point of the box."""
     start, column, value = rows
@@ -276,46 +340,6 @@ def implied(j, g, rows, groups, merged, box, low, high):
     if own < 0:
         first, second = second, first
     return first >= low and second <= high
-
-
-@compiled
-def put_row(row, upper, problem, ranges, out, count):
-    """One side of a row of the problem, unless the box settles it."""
-    start, column, value = problem[2]
-    side = problem[4][row] if upper else problem[3][row]
-    if not np.isfinite(side):
-        return count
-    Z, box = ranges
-    sign = 1.0 if upper else -1.0
-    reach = 0.0
-    total = np.zeros(Z.shape[1])
-    for at in range(start[row], start[row + 1]):
-        j, a = column[at], sign * value[at]
-        reach += max(a * box[0][j], a * box[1][j])
-        for c in range(Z.shape[1]):
-            total[c] += a * Z[j, c]
-    if reach <= sign * side:
-        return count
-    return put(total, 1.0, sign * side, (row, 1 if upper else -1), out, count)
-
-
-@compiled
-def put(form, sign, side, source, out, count):
-    """``sign * form <= side`` as a row of unit length, unless nothing free is in it."""
-    N, b, sources, length = out
-    k = N.shape[1]
-    size = 0.0
-    for c in range(k):
-        size += form[c] * form[c]
-    size = np.sqrt(size)
-    if size <= 1e-12:
-        return count
-    for c in range(k):
-        N[count, c] = -sign * form[c] / size
-    b[count] = (sign * form[k] - side) / size
-    sources[count, 0], sources[count, 1] = source
-    length[count] = size
-    return count + 1
 
 
 @compiled
@@ -357,14 +381,14 @@ def lift_multipliers(problem, groups, condensed, gradient, active, weight):
     return y
 
 
-@compiled
+@leaf
 def spread(row, amount, rows, gradient):
     """Add a multiple of a row to the gradient."""
     for at in range(rows[0][row], rows[0][row + 1]):
         gradient[rows[1][at]] += amount * rows[2][at]
 
 
-@compiled
+@leaf
 def entry(row, j, rows):
     """Coefficient of a variable in a row."""
     for at in range(rows[0][row], rows[0][row + 1]):

@@ -4,90 +4,134 @@ from __future__ import annotations
 
 import numpy as np
 
-from hysdel_py.optimize.compiled import compiled
+from hysdel_py.optimize.compiled import compiled, leaf
 from hysdel_py.optimize.kernels import active_set
+from hysdel_py.optimize.kernels.certificate import bound_below
 from hysdel_py.optimize.kernels.condensing import condense, lift_multipliers
+from hysdel_py.optimize.kernels.linear import dot, square
 
 __all__ = ["solve_node"]
 
 inverse_factor, solve, start_from = active_set.inverse_factor, active_set.solve, active_set.start_from
-EMPTY, LIMIT = active_set.EMPTY, active_set.LIMIT
+work_space = active_set.work_space
+SOLVED, EMPTY, BEATEN, LIMIT = active_set.SOLVED, active_set.EMPTY, active_set.BEATEN, active_set.LIMIT
 TOO_LARGE = 4
 """Status of a node with more free variables than wanted."""
 ASTRAY = 1e-6
 """The proximal steps have not settled while their pull exceeds this, relative to the greatest curvature."""
+LEAST_SCALE = 1e-6
+"""The greatest curvature counts as at least this."""
 
 
 @compiled
-def solve_node(problem, groups, box, wide, guess, settings):
+def solve_node(problem, groups, box, wide, guess, cutoff, settings):
     """Condense and solve.
 
     Parameters
     ----------
     problem, groups, box, wide
         See :func:`hysdel_py.optimize.kernels.condensing.condense`.
-    guess : array of shape (rows, 2)
-        Active inequalities of a similar node: row (or m + variable) and sign of the side.
+    guess : (active, near)
+        Active inequalities of a similar node, row (or m + variable) and sign of the side, an array of shape (rows, 2);
+        and its solution, an array of length n, or of length 0 if there is none.
+    cutoff : (value, constant, curvature, rounding)
+        The solution may stop once a bound reaches `value`, which :func:`bound_below` has to confirm with the rest;
+        infinite for a solution.
     settings : (tolerance, iterations, proximity, rounds, largest)
         `proximity` is the weight of the proximal term relative to the greatest diagonal entry of the Hessian.
 
     Returns
     -------
     status, iterations, w, y, active
-        `y` are multipliers of all rows, or a ray of Farkas for an empty node; `active` has the form of `guess`.
+        `y` are multipliers of all rows, or a ray of Farkas for an empty node; `active` has the form that it has in
+        `guess`.
     """
-    Z, H, f, N, b, source, length, defining, merged = condense(problem, groups, box, wide)
+    condensed = condense(problem, groups, box, wide)
+    Z, z0, H, f, N, b, source = condensed[:7]
     k = len(f)
-    none = np.zeros((0, 2), dtype=np.int64)
+    m = len(problem[3])
     if k > settings[4]:
-        return TOO_LARGE, 0, Z[:, k].copy(), np.zeros(len(problem[3])), none
-    scale = 0.0
+        return TOO_LARGE, 0, z0, np.zeros(m), np.zeros((0, 2), dtype=np.int64)
+    scale = LEAST_SCALE
     for i in range(k):
         scale = max(scale, H[i, i])
-    rho = settings[2] * max(scale, 1e-6)
+    rho = settings[2] * scale
     for i in range(k):
         H[i, i] += rho
     J, sound = inverse_factor(H)
     if not sound:
-        return LIMIT, 0, Z[:, k].copy(), np.zeros(len(problem[3])), none
-    work = (
-        J, np.zeros((k, k)), np.zeros(k, dtype=np.int64), np.zeros(k), np.zeros(1, dtype=np.int64), np.zeros(k)
-    )  # fmt: skip
-    start_from(places_of(guess, source, len(problem[3]), len(Z)), N, work)
+        return LIMIT, 0, z0, np.zeros(m), np.zeros((0, 2), dtype=np.int64)
+    work = work_space(J)
+    start_from(places_of(guess[0], source, m, len(Z)), N, work)
+    centre = centre_in(condensed[10], box, guess[1], k)
+    iterations = 0
+    if cutoff[0] < np.inf:
+        target = cutoff[0] - value_at(problem, z0) - cutoff[1] - 0.5 * rho * square(centre, 0)
+        status, iterations, row = solve(N, b, f - rho * centre, work, target, settings[:2])
+        if status == BEATEN:
+            w, y = lifted(problem, groups, condensed, work, status, row)
+            if bound_below(problem, box, w, y, cutoff[1:]) >= cutoff[0]:
+                return BEATEN, iterations, w, y, source[work[2][: work[4][0]]]
+    status, count, row = approach(N, b, f, work, centre, (rho, scale), settings)
+    w, y = lifted(problem, groups, condensed, work, status, row)
+    return status, iterations + count, w, y, source[work[2][: work[4][0]]]
+
+
+@compiled
+def approach(N, b, f, work, centre, weights, settings):
+    """Proximal steps, whose centre follows the solution until it does not move; changes `centre` and `work`."""
+    rho, scale = weights
     status, iterations, row, moved = LIMIT, 0, -1, 0.0
-    centre = middle(Z, box, k)
     for _ in range(settings[3]):
-        status, count, row = solve(N, b, f - rho * centre, work, np.inf, (settings[0], settings[1]))
+        status, count, row = solve(N, b, f - rho * centre, work, np.inf, settings[:2])
         iterations += count
         moved = 0.0
-        for i in range(k):
+        for i in range(len(f)):
             moved = max(moved, abs(work[5][i] - centre[i]))
             centre[i] = work[5][i]
-        if status != 0 or rho * moved <= settings[0] * max(scale, 1e-6):
+        if status != SOLVED or rho * moved <= settings[0] * scale:
             break
-    if status == 0 and rho * moved > ASTRAY * max(scale, 1e-6):
+    if status == SOLVED and rho * moved > ASTRAY * scale:
         status = LIMIT
+    return status, iterations, row
+
+
+@compiled
+def lifted(problem, groups, condensed, work, status, row):
+    """Point and multipliers in all variables and rows."""
+    Z, z0, source, length, defining, merged = (
+        condensed[0], condensed[1], condensed[6], condensed[7], condensed[8], condensed[9]
+    )  # fmt: skip
     size = work[4][0]
     active, weight = work[2][:size].copy(), work[3][:size].copy()
-    w = point(Z, work[5])
+    w = point(Z, z0, work[5])
     gradient = np.zeros(len(w))
     if status == EMPTY:
         active, weight = np.append(active, row), np.append(weight, 1.0)
     else:
         gradient = gradient_at(problem, w)
-    y = lift_multipliers(problem, groups, (source, length, defining, merged), gradient, active, weight)
-    return status, iterations, w, y, source[active]
+    return w, lift_multipliers(problem, groups, (source, length, defining, merged), gradient, active, weight)
 
 
 @compiled
-def middle(Z, box, k):
-    """Middle of the box in the free variables."""
+def centre_in(place, box, near, k):
+    """Where the proximal steps begin: the point of the box nearest to `near`, or its middle."""
+    start = near if len(near) else middle(box)
     centre = np.zeros(k)
-    for j in range(len(Z)):
-        if Z[j, k] == 0.0:
-            for c in range(k):
-                if Z[j, c] == 1.0 and np.isfinite(box[0][j]) and np.isfinite(box[1][j]):
-                    centre[c] = 0.5 * (box[0][j] + box[1][j])
+    for j in range(len(place)):
+        if place[j] >= 0:
+            centre[place[j]] = min(max(start[j], box[0][j]), box[1][j])
+    return centre
+
+
+@compiled
+def middle(box):
+    """Middle of a box, 0 for a variable without bounds."""
+    lb, ub = box
+    centre = np.zeros(len(lb))
+    for j in range(len(lb)):
+        if lb[j] > -np.inf and ub[j] < np.inf:
+            centre[j] = 0.5 * (lb[j] + ub[j])
     return centre
 
 
@@ -108,15 +152,11 @@ def places_of(guess, source, m, n):
 
 
 @compiled
-def point(Z, v):
+def point(Z, z0, v):
     """All variables."""
-    n, k = Z.shape[0], Z.shape[1] - 1
-    w = np.zeros(n)
-    for j in range(n):
-        total = Z[j, k]
-        for c in range(k):
-            total += Z[j, c] * v[c]
-        w[j] = total
+    w = z0.copy()
+    for j in range(len(w)):
+        w[j] += dot(Z[j], v)
     return w
 
 
@@ -129,3 +169,16 @@ def gradient_at(problem, w):
         for at in range(start[i], start[i + 1]):
             gradient[i] += value[at] * w[column[at]]
     return gradient
+
+
+@leaf
+def value_at(problem, w):
+    """``1/2 w'P w + q'w``."""
+    start, column, value = problem[0]
+    total = 0.0
+    for i in range(len(w)):
+        slope = problem[1][i]
+        for at in range(start[i], start[i + 1]):
+            slope += 0.5 * value[at] * w[column[at]]
+        total += slope * w[i]
+    return total

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from hysdel_py.optimize.compiled import compiled
+from hysdel_py.optimize.compiled import compiled, leaf
 
 __all__ = ["propagate"]
 
@@ -37,106 +37,117 @@ def propagate(rows, columns, integer, box, sides, queued, settings):
     conflict, rounds
         -1 without a conflict, else the row; m stands for a variable whose bounds have crossed.
     """
-    m = len(rows[0]) - 1
+    moved = np.zeros(twice_the_longest(rows[0]), dtype=np.int64)
+    return sweep(
+        rows[0], rows[1], rows[2], columns[0], columns[1], integer, box[0], box[1], sides[0], sides[1], queued, moved,
+        settings,
+    )  # fmt: skip
+
+
+@leaf
+def sweep(start, column, value, touched, touching, integer, lb, ub, lower, upper, queued, moved, settings):
+    """Passes over the queued rows until nothing moves."""
+    m = len(lower)
     passes = 0
     again = True
     while again and passes < settings[4]:
         again = False
         passes += 1
         for row in range(m):
-            if queued[row]:
-                queued[row] = False
-                conflict, moved = tighten(row, rows, columns, integer, box, sides, queued, settings)
-                if conflict >= 0:
-                    return conflict, passes
-                again = again or moved
+            if not queued[row]:
+                continue
+            queued[row] = False
+            first, last = start[row], start[row + 1]
+            count = tighten(
+                column[first:last], value[first:last], lower[row], upper[row], lb, ub, integer, moved, settings
+            )
+            if count < 0:
+                return row, passes
+            for i in range(count):
+                j = moved[i]
+                if ub[j] - lb[j] < -settings[0] * (1.0 + abs(lb[j])):
+                    return m, passes
+                for at in range(touched[j], touched[j + 1]):
+                    queued[touching[at]] = True
+            again = again or count > 0
     return -1, passes
 
 
-@compiled
-def tighten(row, rows, columns, integer, box, sides, queued, settings):
-    """Bounds that one row implies; marks the rows that touch what moved."""
-    start, column, value = rows
-    first, last = start[row], start[row + 1]
-    low, high, low_endless, high_endless, size = activity(first, last, column, value, box, settings[3])
-    margin = settings[0]
-    noise = margin + ROUNDOFF * (last - first + 4) * size
-    lower, upper = sides[0][row], sides[1][row]
-    if np.isfinite(lower):
-        lower -= noise + margin * abs(lower)
-    if np.isfinite(upper):
-        upper += noise + margin * abs(upper)
-    if (low_endless == 0 and low > upper) or (high_endless == 0 and high < lower):
-        return row, False
-    moved = False
-    for entry in range(first, last):
-        j, a = column[entry], value[entry]
-        least, most = box[0][j], box[1][j]
-        term_low, term_high = (a * least, a * most) if a > 0 else (a * most, a * least)
-        new_low, new_high = -np.inf, np.inf
-        if np.isfinite(upper) and low_endless - np.isinf(term_low) == 0:
-            left = upper - (low if np.isinf(term_low) else low - term_low)
-            if a > 0:
-                new_high = left / a
-            else:
-                new_low = left / a
-        if np.isfinite(lower) and high_endless - np.isinf(term_high) == 0:
-            left = lower - (high if np.isinf(term_high) else high - term_high)
-            if a > 0:
-                new_low = max(new_low, left / a)
-            else:
-                new_high = min(new_high, left / a)
-        if update(j, new_low, new_high, integer, box, settings):
-            moved = True
-            if box[1][j] - box[0][j] < -margin * (1.0 + abs(box[0][j])):
-                return m_of(start), True
-            for at in range(columns[0][j], columns[0][j + 1]):
-                queued[columns[1][at]] = True
-            low, high, low_endless, high_endless, size = activity(first, last, column, value, box, settings[3])
-    return -1, moved
+@leaf
+def twice_the_longest(start):
+    """Twice the greatest number of entries in a row."""
+    most = 0
+    for row in range(len(start) - 1):
+        most = max(most, start[row + 1] - start[row])
+    return 2 * most
 
 
-@compiled
-def m_of(start):
-    """Number of rows."""
-    return len(start) - 1
-
-
-@compiled
-def activity(first, last, column, value, box, huge):
-    """Finite parts of the least and greatest value of a row, how many terms are endless, and the size of the terms."""
+@leaf
+def tighten(column, value, lower, upper, lb, ub, integer, moved, settings):
+    """Bounds that one row implies; writes what moved and returns how many, -1 if no point satisfies the row."""
+    margin, huge = settings[0], settings[3]
     low = high = size = 0.0
-    low_endless = high_endless = 0
-    for entry in range(first, last):
-        j, a = column[entry], value[entry]
-        term_low, term_high = a * box[0][j], a * box[1][j]
-        if a < 0:
-            term_low, term_high = term_high, term_low
-        if np.isinf(term_low):
-            low_endless += 1
+    for at in range(len(column)):
+        j, a = column[at], value[at]
+        least, most = lb[j], ub[j]
+        if a > 0:
+            low += a * least
+            high += a * most
         else:
-            low += term_low
-        if np.isinf(term_high):
-            high_endless += 1
-        else:
-            high += term_high
-        size += abs(a) * min(max(abs(box[0][j]), abs(box[1][j])), huge)
-    return low, high, low_endless, high_endless, size
+            low += a * most
+            high += a * least
+        size += abs(a) * min(max(abs(least), abs(most)), huge)
+    noise = margin + ROUNDOFF * (len(column) + 4) * size
+    if lower > -np.inf:
+        lower -= noise + margin * abs(lower)
+    if upper < np.inf:
+        upper += noise + margin * abs(upper)
+    if low > upper or high < lower:
+        return -1
+    count = 0
+    if high > upper:
+        count = use_side(column, value, 1.0, upper, lb, ub, integer, moved, count, settings)
+    if low < lower:
+        count = use_side(column, value, -1.0, -lower, lb, ub, integer, moved, count, settings)
+    return count
 
 
-@compiled
-def update(j, new_low, new_high, integer, box, settings):
-    """Take over bounds that are worth it; integers are rounded inwards."""
-    margin, integrality, progress, huge = settings[0], settings[1], settings[2], settings[3]
-    if integer[j]:
-        new_low, new_high = np.ceil(new_low - integrality), np.floor(new_high + integrality)
-    width = box[1][j] - box[0][j]
-    step = margin + (progress * width if np.isfinite(width) else 0.0)
-    moved = False
-    if new_high < box[1][j] - step and abs(new_high) < huge:
-        box[1][j] = new_high
-        moved = True
-    if new_low > box[0][j] + step and abs(new_low) < huge:
-        box[0][j] = new_low
-        moved = True
-    return moved
+@leaf
+def use_side(column, value, sign, side, lb, ub, integer, moved, count, settings):
+    """Bounds from ``sign * row <= side``: what the least values of the other terms leave to each.
+
+    Only bounds at which a term is greatest move, so that the least values stay as they are.
+    """
+    low, endless, which = 0.0, 0, -1
+    for at in range(len(column)):
+        j, a = column[at], sign * value[at]
+        term = a * lb[j] if a > 0 else a * ub[j]
+        if term == -np.inf:
+            endless, which = endless + 1, at
+        else:
+            low += term
+    if endless > 1:
+        return count
+    for at in range(len(column)):
+        j, a = column[at], sign * value[at]
+        least, most = lb[j], ub[j]
+        if least == most or (endless == 1 and at != which):
+            continue
+        if endless == 0 and abs(a) * (most - least) <= side - low:
+            continue
+        term = 0.0 if endless == 1 else (a * least if a > 0 else a * most)
+        bound = (side - (low - term)) / a
+        if integer[j]:
+            bound = np.floor(bound + settings[1]) if a > 0 else np.ceil(bound - settings[1])
+        step = settings[0] + (settings[2] * (most - least) if most - least < np.inf else 0.0)
+        if abs(bound) >= settings[3]:
+            continue
+        if a > 0 and bound < most - step:
+            ub[j] = bound
+        elif a < 0 and bound > least + step:
+            lb[j] = bound
+        else:
+            continue
+        moved[count] = j
+        count += 1
+    return count

@@ -13,7 +13,7 @@ from hysdel_py.optimize.parametric.facets import inner_point, inner_point_in
 from hysdel_py.optimize.parametric.nearest import FOUND, workspace
 from hysdel_py.optimize.parametric.settings import MpQpSettings
 
-__all__ = ["Rows", "point_inside", "uncovered_point"]
+__all__ = ["Rows", "parts_outside", "point_inside", "uncovered_point"]
 
 Vector = NDArray[np.float64]
 Rows = tuple[NDArray[np.float64], Vector]
@@ -64,3 +64,12 @@ def _uncovered(N: Any, h: Any, cuts: Any, ends: Any, starts: Any, margin: float,
             part[row], limits[row] = -rows[row], -sides[row]
             pending.append((part, limits, number + 1))
     return False, x
+
+
+def parts_outside(rows: Rows, cover: Rows) -> list[Rows]:
+    """What a polyhedron has outside a cover, cut into parts that violate one row of it and keep those before it."""
+    N, h = cover
+    return [
+        (np.vstack([rows[0], N[:row], -N[row : row + 1]]), np.concatenate([rows[1], h[:row], -h[row : row + 1]]))
+        for row in range(len(h))
+    ]

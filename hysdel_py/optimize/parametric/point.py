@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hysdel_py.optimize.parametric.canonical import Canonical
-from hysdel_py.optimize.parametric.nearest import FOUND, LOST, NONE, nearest
+from hysdel_py.optimize.parametric.nearest import FOUND, NONE, nearest
 from hysdel_py.optimize.parametric.settings import MpQpSettings
 
 __all__ = ["Point", "PointStatus", "solve_at"]
@@ -18,6 +18,9 @@ Vector = NDArray[np.float64]
 
 _ROUNDS, _STRIDE, _FAR, _STILL, _SMALL = 400, 10.0, 1e9, 1e-10, 1e-12
 """Most proximal steps; length of a free one; where a solution is unbounded; when it stands still; what is no slope."""
+
+_GROWTH, _GREATEST = 1.5, 1e3
+"""Square root of the factor between two steps, and of the greatest factor in all."""
 
 
 class PointStatus(Enum):
@@ -89,26 +92,32 @@ def _nearest(M: NDArray[np.float64], sides: Vector, settings: MpQpSettings) -> _
 
 
 def _proximal_steps(M: NDArray[np.float64], sides: Vector, slope: Vector, settings: MpQpSettings) -> _Answer:
-    """Steps ``min 1/2|v1|^2 + c'v2 + |v2 - v2_k|^2 / (2 t)`` for the last variables, with v2 in units of sqrt(t)."""
+    """Steps ``min 1/2|v1|^2 + c'v2 + |v2 - v2_k|^2 / (2 t)`` for the last variables, with v2 in units of sqrt(t).
+
+    Steps grow, so that a variable whose cost is small beside the others moves as well.
+    """
     n, curved = M.shape[1], M.shape[1] - len(slope)
-    unit = np.ones(n)
-    unit[curved:] = np.sqrt(_STRIDE / max(float(np.linalg.norm(slope)), _SMALL))
-    scaled = M * unit
-    length = np.sqrt((scaled * scaled).sum(axis=1))
-    scaled, ends = scaled / length[:, None], sides / length
-    push = np.concatenate([np.zeros(curved), slope]) * unit
     fixed = np.concatenate([np.zeros(curved), np.ones(len(slope))])
-    at = np.zeros(n)
-    status, active, multipliers = LOST, np.zeros(0, dtype=np.int64), np.zeros(0)
-    for _ in range(_ROUNDS):
-        status, x, active, multipliers = nearest(scaled, ends, fixed * at - push, settings.violation, settings.angle)
-        moved = np.abs(fixed * (x - at)).max(initial=0.0)
-        at = x
-        if status != FOUND or moved <= _STILL * (1.0 + np.abs(at).max(initial=0.0)):
-            return _Answer(_STATUS.get(status, PointStatus.UNCLEAR), at * unit, active, multipliers / length[active])
-        if np.abs(at).max() > _FAR:
-            return _Answer(PointStatus.UNBOUNDED, at * unit, active[:0], multipliers[:0])
-    return _Answer(PointStatus.UNCLEAR, at * unit, active[:0], multipliers[:0])
+    cost = np.concatenate([np.zeros(curved), slope])
+    first = np.sqrt(_STRIDE / max(float(np.linalg.norm(slope)), _SMALL))
+    v = np.zeros(n)
+    for number in range(_ROUNDS):
+        unit = np.where(fixed > 0, first * min(_GROWTH**number, _GREATEST), 1.0)
+        scaled = M * unit
+        length = np.sqrt((scaled * scaled).sum(axis=1))
+        start = fixed * v / unit - cost * unit
+        status, x, active, multipliers = nearest(
+            scaled / length[:, None], sides / length, start, settings.violation, settings.angle
+        )
+        moved = np.abs(fixed * (x - v / unit)).max(initial=0.0)
+        v = x * unit
+        if status != FOUND or moved <= _STILL * (1.0 + np.abs(fixed * x).max(initial=0.0)):
+            known = _STATUS.get(status, PointStatus.UNCLEAR)
+            return _Answer(known, v, active, multipliers / length[active])
+        if np.abs(x).max() > _FAR:
+            break
+    kind = PointStatus.UNBOUNDED if np.abs(v / unit).max() > _FAR else PointStatus.UNCLEAR
+    return _Answer(kind, v, active[:0], multipliers[:0])
 
 
 def _corner(form: Canonical, answer: _Answer, sides: Vector, settings: MpQpSettings) -> list[int]:

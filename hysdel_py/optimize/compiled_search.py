@@ -1,0 +1,292 @@
+"""A run of branch and bound by the compiled loop, with the search in Python for what the loop hands back."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from math import inf
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from hysdel_py.optimize.certificate import UNIT_ROUNDOFF
+from hysdel_py.optimize.compiled import kernels_are_compiled
+from hysdel_py.optimize.dense import NO_GUESS, DenseSolver
+from hysdel_py.optimize.mixed_integer import Miqp, MiqpResult, MiqpSettings, NodeFate, NodeRecord, SearchInfo
+from hysdel_py.optimize.propagation import Box
+from hysdel_py.optimize.qp import Qp
+from hysdel_py.optimize.search import Node, Search
+
+if TYPE_CHECKING:
+    from hysdel_py.optimize.miqp import MiqpSolver
+
+__all__ = ["CompiledSearch", "Hints", "Workspace"]
+
+Vector = NDArray[np.float64]
+ROOM = 64
+"""Nodes for which there is room at first."""
+WORDS = 64
+"""Guessed words that are remembered."""
+SLICE, TIMED = 256, 8
+"""Nodes between two looks at the clock where nobody listens, without and with a limit of time."""
+NOTHING = np.zeros(0)
+_FATES = (NodeFate.SPLIT, NodeFate.CUT_OFF, NodeFate.INFEASIBLE, NodeFate.LEAF)
+"""In the order of the numbers that the loop has for them."""
+
+
+class Workspace:
+    """Everything that the compiled loop keeps between calls, for one set of matrices.
+
+    Attributes
+    ----------
+    tree, state : tuples of arrays
+        See :mod:`hysdel_py.optimize.kernels.search`.
+    """
+
+    def __init__(self, miqp: Miqp, settings: MiqpSettings, dense: DenseSolver, columns: Any) -> None:
+        from hysdel_py.optimize.kernels.tree import COUNTERS
+
+        n, m = miqp.qp.n, miqp.qp.m
+        self.dense, self.columns = dense, columns
+        self.binaries, self.priorities = miqp.binaries.astype(np.int64), np.array(miqp.priorities, dtype=float)
+        self.decisions = _decisions(miqp)
+        self.rounding = 2 * (n + m + 8) * UNIT_ROUNDOFF
+        self.tree = _room(ROOM, n, min(n, dense.settings.largest))
+        self.state = (
+            np.zeros(n), np.zeros(3), np.zeros(COUNTERS, dtype=np.int64), (np.zeros(n), np.zeros(n)),
+            np.full(n, np.nan), np.zeros(WORDS, dtype=np.int64), (np.zeros(n), np.zeros(n)),
+            np.zeros((n, 2), dtype=np.int64), np.zeros((WORDS, len(self.binaries))),
+        )  # fmt: skip
+        s, d, p = settings, dense.settings, settings.propagation
+        self.settings = (
+            (float(s.gap_abs), float(s.gap_rel)),
+            (float(d.tolerance), int(d.iterations), float(d.proximity), int(d.rounds), int(d.largest)),
+            (float(p.margin), float(p.integrality), float(p.progress), float(p.huge), int(p.rounds)),
+            float(s.feasibility), float(s.integrality), int(s.rounding),
+        )  # fmt: skip
+
+    def data(self, qp: Qp, curvature: Vector | None) -> tuple[Any, ...]:
+        """What the kernels are told of a problem with these matrices."""
+        d = self.dense
+        q, l, u, lb, ub = (np.array(vector) for vector in (qp.q, qp.l, qp.u, qp.lb, qp.ub))  # noqa: E741
+        problem = (d.P, q, d.rows, l, u, d.integer)
+        known = (float(qp.constant), np.zeros(qp.n) if curvature is None else np.array(curvature), self.rounding)
+        return problem, d.groups, self.columns, (lb, ub), self.decisions, self.binaries, self.priorities, known
+
+    def grow(self) -> None:
+        """Make room for twice as many nodes."""
+        room, n = self.tree[0].shape
+        larger = _room(2 * room, n, self.tree[5].shape[1])
+        for new, old in zip(larger, self.tree, strict=True):
+            new[:room] = old
+        self.tree = larger
+
+
+def _room(size: int, n: int, width: int) -> tuple[Any, ...]:
+    """Arrays for the nodes of a tree."""
+    whole = [np.zeros(shape, dtype=np.int64) for shape in (size, (size, width), size)]
+    real = [np.zeros(shape) for shape in ((size, n), (size, n), size)]
+    split = np.zeros((size, 3), dtype=np.int64)
+    return (*real, split, *whole, np.arange(size), np.zeros((size, n)))
+
+
+def _decisions(miqp: Miqp) -> tuple[NDArray[np.int64], NDArray[np.bool_]]:
+    """Drivers and binaries in the order in which a guess settles them, and which are drivers.
+
+    With drivers that is the order of the variables, which follows time; without, that of the priorities.
+    """
+    if not len(miqp.drivers):
+        order = np.argsort(miqp.priorities, kind="stable")
+        return miqp.binaries[order].astype(np.int64), np.zeros(len(order), dtype=np.bool_)
+    both = np.concatenate([miqp.drivers, miqp.binaries]).astype(np.int64)
+    real = np.arange(len(both)) < len(miqp.drivers)
+    order = np.argsort(both, kind="stable")
+    return both[order], real[order]
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class Hints:
+    """What is known of the solution beforehand.
+
+    Attributes
+    ----------
+    floor : float
+        Lower bound of the objective.
+    word : array of shape (number of binaries,), or None
+    point : array of shape (n,), or None
+        Only its drivers count.
+    active : array of shape (rows, 2), or None
+        Active inequalities.
+    """
+
+    floor: float = -inf
+    word: Vector | None = None
+    point: Vector | None = None
+    active: NDArray[np.int64] | None = None
+
+
+class CompiledSearch:
+    """One run of the compiled loop.
+
+    Parameters
+    ----------
+    solver : MiqpSolver
+    qp : Qp
+    begin : float
+        Time at which the call came.
+    heuristic, progress
+        See :meth:`hysdel_py.optimize.miqp.MiqpSolver.solve`.
+    """
+
+    def __init__(
+        self, solver: MiqpSolver, qp: Qp, begin: float, heuristic: Any, progress: Callable[[SearchInfo], Any] | None
+    ) -> None:
+        assert solver.workspace is not None
+        self.space: Workspace = solver.workspace
+        self.search = Search(solver, qp, begin)
+        self.search.heuristic = heuristic
+        self.progress = progress
+        bounded = bool(np.isfinite(qp.lb).all() and np.isfinite(qp.ub).all())
+        self.data = self.space.data(qp, None if bounded else solver.verified.certifier(qp).curvature)
+
+    def run(self, hints: Hints) -> MiqpResult:
+        """Search until the end or until a limit is reached."""
+        if not self._start(hints):
+            return self.search.finished()
+        stop = None
+        while stop is None and self.search.open:
+            before = self.search.nodes
+            self._advance()
+            stop = self.search.reason_to_stop(self.progress if self.search.nodes > before else None)
+        result = self.search.finished() if stop is None else self.search.stopped(stop)
+        return replace(result, active=self._root_active())
+
+    def rehearse(self) -> None:
+        """Load or compile the loop, so that the first search does not have to wait for it."""
+        if self._start(Hints()):
+            self._loop(0)
+
+    def _start(self, hints: Hints) -> bool:
+        """Open the root; False if propagation proves the problem empty."""
+        from hysdel_py.optimize.kernels.search import start
+
+        point, word = (
+            NOTHING if part is None else np.array(part, dtype=float) for part in (hints.point, hints.word)
+        )  # fmt: skip
+        guess = (float(hints.floor), point, word, NO_GUESS if hints.active is None else hints.active)
+        self.search.known, self.search.elsewhere = hints.floor, 1
+        return bool(start(self.data, self.space.tree, self.space.state, self.space.settings, guess))
+
+    def _advance(self) -> None:
+        """One slice of the compiled loop, and what it needs afterwards."""
+        from hysdel_py.optimize.kernels import search as kernel
+
+        reason = self._loop(self._slice())
+        self.search.record = self._record()
+        if reason == kernel.FULL:
+            self.space.grow()
+        elif reason == kernel.HELP:
+            self._help()
+        elif self.search.heuristic is not None:
+            self._ask_heuristic()
+
+    def _loop(self, nodes: int) -> int:
+        from hysdel_py.optimize.kernels.search import run
+
+        reason: int = run(self.data, self.space.tree, self.space.state, self.space.settings, nodes)
+        self._take_over()
+        return reason
+
+    def _record(self) -> NodeRecord:
+        """The node that was visited last."""
+        from hysdel_py.optimize.kernels import search as kernel
+        from hysdel_py.optimize.kernels import tree
+
+        numbers, counters = self.space.state[1:3]
+        variable, value, parent = counters[tree.WAY : tree.WAY + 3].tolist()
+        fate = _FATES[int(counters[tree.FATE])]
+        bound = inf if fate is NodeFate.INFEASIBLE else float(numbers[kernel.BOUND])
+        return NodeRecord(int(counters[tree.NODES]), parent, variable, float(value), bound, fate)
+
+    def _root_active(self) -> NDArray[np.int64]:
+        from hysdel_py.optimize.kernels import tree
+
+        active: NDArray[np.int64] = self.space.state[7][: self.space.state[2][tree.ACTIVE]].copy()
+        return active
+
+    def _slice(self) -> int:
+        """Nodes until somebody has to be told or the clock has to be read."""
+        s = self.search
+        if self.progress is not None or s.heuristic is not None or not kernels_are_compiled():
+            return 1
+        most = 1 if s.settings.time_limit < inf and not s.nodes else SLICE
+        most = min(most, TIMED) if s.settings.time_limit < inf else most
+        return int(max(1, min(most, s.settings.node_limit - s.nodes)))
+
+    def _take_over(self) -> None:
+        """Tell the search in Python what the compiled loop has found."""
+        from hysdel_py.optimize.kernels import search as kernel
+        from hysdel_py.optimize.kernels import tree
+
+        x, numbers, counters = self.space.state[:3]
+        s = self.search
+        if numbers[kernel.OBJECTIVE] < s.objective:
+            s.x, s.objective = x.copy(), float(numbers[kernel.OBJECTIVE])
+        s.floor = float(numbers[kernel.FLOOR])
+        s.nodes, s.solves_elsewhere = int(counters[tree.NODES]), int(counters[tree.SOLVES])
+        s.elsewhere = int(counters[tree.OPEN])
+        s.pending = float(tree.least_open(self.space.tree[2], self.space.tree[7], counters)) if s.elsewhere else inf
+
+    def _hand_over(self) -> None:
+        """Tell the compiled loop what the search in Python has found; the open nodes move there."""
+        from hysdel_py.optimize.kernels import search as kernel
+        from hysdel_py.optimize.kernels import tree
+
+        x, numbers, counters = self.space.state[:3]
+        s = self.search
+        if s.x is not None:
+            x[:] = s.x
+        numbers[kernel.OBJECTIVE], numbers[kernel.FLOOR] = s.objective, s.floor
+        for node in s.stack:
+            if counters[tree.OPEN] >= len(self.space.tree[7]):
+                self.space.grow()
+            box = node.box.lb, node.box.ub
+            near = np.array(box[0] if node.guess is None else node.guess.x)
+            near = np.where(np.isfinite(near), near, 0.0)
+            fixed = int(node.variable), float(node.value)
+            tree.push(self.space.tree, counters, box, float(node.bound), *fixed, NO_GUESS, near)
+        counters[tree.DIVE] = len(s.stack) > 0
+        s.stack.clear()
+
+    def _help(self) -> None:
+        """Explore the node that the loop could not certify with all other means."""
+        from hysdel_py.optimize.kernels import search as kernel
+        from hysdel_py.optimize.kernels import tree
+
+        _, numbers, counters, box = self.space.state[:4]
+        s = self.search
+        if not hasattr(s, "root"):
+            s.root = Box(self.space.state[6][0].copy(), self.space.state[6][1].copy())
+        s.nodes -= 1  # the loop has counted this node
+        before = s.record
+        inside = Box(box[0].copy(), box[1].copy())
+        s.explore(Node(inside, -1, 0.0, float(numbers[kernel.BOUND]), int(counters[tree.DEPTH]), None))
+        if before is not None and s.record is not None:
+            s.record = replace(s.record, parent=before.parent, variable=before.variable, value=before.value)
+        self._hand_over()
+        self._take_over()
+
+    def _ask_heuristic(self) -> None:
+        """Let the caller's heuristic look at the relaxed point of the last node, if it had one."""
+        from hysdel_py.optimize.kernels import search as kernel
+        from hysdel_py.optimize.kernels import tree
+
+        _, _, counters, box, relaxed = self.space.state[:5]
+        s = self.search
+        every, depth = s.settings.rounding, int(counters[tree.DEPTH])
+        if np.isnan(relaxed[0]) or (depth and (every == 0 or depth % every)):
+            return
+        for word in s.words_of_heuristic(Box(box[0].copy(), box[1].copy()), relaxed.copy()):
+            kernel.note_word(np.clip(np.round(word), 0.0, 1.0), self.space.state)
+        self._loop(0)

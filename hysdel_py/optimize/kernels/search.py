@@ -1,0 +1,319 @@
+"""The loop of a branch and bound in compiled code, in slices between which the caller looks at clocks and limits.
+
+Propagation, condensing, active sets and certificates of :mod:`hysdel_py.optimize.kernels` for one node after the other.
+What cannot be certified here is handed back: nothing is pruned without a bound or a ray that was checked against the
+rows and bounds of the whole problem, and nothing becomes the incumbent without a check of all rows.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from hysdel_py.optimize.compiled import compiled, leaf
+from hysdel_py.optimize.kernels.certificate import bound_below, excess, farkas_bound
+from hysdel_py.optimize.kernels.guessing import fix_word, follow, queue_rows
+from hysdel_py.optimize.kernels.node import BEATEN, EMPTY, SOLVED, middle, solve_node, value_at
+from hysdel_py.optimize.kernels.propagation import propagate
+from hysdel_py.optimize.kernels.tree import (
+    ACTIVE,
+    DEPTH,
+    DIVE,
+    FATE,
+    LAST,
+    NODES,
+    OPEN,
+    PENDING,
+    SOLVES,
+    WAY,
+    WORDS,
+    push,
+    take_next,
+    wished,
+)
+
+__all__ = [
+    "BOUND", "CALM", "CUT_OFF", "FLOOR", "FULL", "HELP", "INFEASIBLE", "LEAF", "OBJECTIVE", "PAUSED", "SPLIT",
+    "note_word", "run", "start",
+]  # fmt: skip
+
+CALM, PAUSED, FULL, HELP = 0, 1, 2, 3
+"""Why a slice ended: no open node, its nodes are used up, no room for two more, a node that needs other means."""
+SPLIT, CUT_OFF, INFEASIBLE, LEAF = 0, 1, 2, 3
+"""What became of a node."""
+OBJECTIVE, FLOOR, BOUND = 0, 1, 2
+"""Numbers: value of the incumbent, least bound of the parts that are done, bound of the node at hand."""
+
+MODULUS = 2**61 - 1
+"""Words of binaries are told apart by their values as numbers modulo this."""
+
+
+@compiled
+def start(data, tree, state, settings, guess):
+    """Open the root and note what is known of the solution; see :func:`run`. False if the problem is proven empty.
+
+    Parameters
+    ----------
+    guess : (floor, point, word, active)
+        A lower bound; a point whose drivers may be good and a word of binaries, both of length 0 if there is none;
+        active inequalities of a similar problem.
+    """
+    floor, point, word, active = guess
+    numbers, counters, root = state[1], state[2], state[6]
+    numbers[OBJECTIVE] = numbers[FLOOR] = np.inf
+    counters[:] = 0
+    if not open_root(data, root, settings):
+        return False
+    counters[DEPTH], counters[LAST] = -1, tree[7][0]
+    push(tree, counters, root, floor, -1, 0.0, active, point if len(point) else middle(root))
+    if len(word):
+        note_word(word, state)
+    if len(point):
+        box = root[0].copy(), root[1].copy()
+        if follow(data[0], data[2], box, point, data[4], True, settings[2]):
+            note_word(box[0][data[5]], state)
+    return True
+
+
+@compiled
+def open_root(data, root, settings):
+    """Propagate the whole problem into `root`; False if that proves it empty."""
+    problem, columns, wide = data[0], data[2], data[3]
+    start, integer, margin = problem[2][0], problem[5], settings[2][0]
+    lb, ub = root
+    for j in range(len(lb)):
+        lb[j], ub[j] = wide[0][j], wide[1][j]
+        if integer[j]:
+            lb[j], ub[j] = np.ceil(lb[j] - settings[2][1]), np.floor(ub[j] + settings[2][1])
+        if ub[j] - lb[j] < -margin * (1.0 + abs(lb[j])):
+            return False
+    l, u = problem[3], problem[4]
+    for row in range(len(l)):
+        empty = start[row] == start[row + 1] and (l[row] > margin or u[row] < -margin)
+        if empty or l[row] > u[row] + margin * (1.0 + abs(u[row])):
+            return False
+    queued = np.ones(len(l), dtype=np.bool_)
+    return propagate(problem[2], columns, integer, root, (l, u), queued, settings[2])[0] < 0
+
+
+@compiled
+def run(data, tree, state, settings, slice_):
+    """Look at guesses and open nodes until something of :data:`CALM` to :data:`HELP` happens.
+
+    Parameters
+    ----------
+    data : (problem, groups, columns, wide, decisions, binaries, priorities, known)
+        `problem`, `groups`, `wide` as for :func:`hysdel_py.optimize.kernels.node.solve_node`; `columns` the rows of
+        each variable; `decisions` see :func:`hysdel_py.optimize.kernels.guessing.follow`; `known` see
+        :func:`hysdel_py.optimize.kernels.certificate.bound_below`.
+    tree
+        See :mod:`hysdel_py.optimize.kernels.tree`.
+    state : (x, numbers, counters, box, relaxed, words, root, active, pending)
+        Incumbent; numbers and counters; box and relaxed point of the node at hand; words that were guessed, as
+        numbers; propagated bounds of the whole problem, and active inequalities there; words to be tried.
+    settings : (gaps, solver, propagation, feasibility, integrality, rounding)
+        `gaps` is (absolute, relative).
+    slice_ : int
+        Largest number of nodes.
+    """
+    counters, box = state[2], state[3]
+    stop = counters[NODES] + slice_
+    while counters[PENDING] > 0 or counters[OPEN] > 0:
+        guessed = counters[PENDING] > 0
+        if guessed:
+            slot = counters[LAST]  # its relaxation is a good start
+            ready = take_word(data, state, settings)
+        elif counters[NODES] >= stop:
+            return PAUSED
+        elif counters[OPEN] + 2 > len(tree[7]):
+            return FULL
+        else:
+            slot = take_next(tree[2], tree[7], counters)
+            ready = enter(data, tree, slot, state, settings)
+        if not ready:
+            continue
+        status, w, bound, active = judge(data, box, wished(tree, slot), state, settings)
+        if guessed:
+            if status == SOLVED:
+                offer(data, box, w, state, settings)
+        elif not digest(data, tree, (status, w, bound, active), state, settings):
+            return HELP
+    return CALM
+
+
+@compiled
+def take_word(data, state, settings):
+    """Fix the next word to be tried, within the bounds of the whole problem; False if the rows object."""
+    counters, box = state[2], state[3]
+    counters[PENDING] -= 1
+    box[0][:], box[1][:] = state[6]
+    return fix_word(data[0], data[2], box, data[5], state[8][counters[PENDING]], settings[2])
+
+
+@compiled
+def enter(data, tree, slot, state, settings):
+    """Propagated box of a node; False if that is the end of it."""
+    problem, columns = data[0], data[2]
+    numbers, counters, box = state[1], state[2], state[3]
+    counters[DIVE], counters[LAST] = 0, slot
+    state[4][0] = np.nan
+    if tree[2][slot] >= worthwhile(numbers, settings[0]):
+        numbers[FLOOR] = min(numbers[FLOOR], tree[2][slot])
+        return False
+    counters[NODES] += 1
+    counters[FATE] = INFEASIBLE
+    counters[WAY : WAY + 3] = tree[3][slot]
+    box[0][:], box[1][:] = tree[0][slot], tree[1][slot]
+    counters[DEPTH], numbers[BOUND] = tree[4][slot], tree[2][slot]
+    j = tree[3][slot, 0]
+    if j < 0:
+        return True
+    box[0][j] = box[1][j] = tree[3][slot, 1]
+    queued = np.zeros(len(problem[3]), dtype=np.bool_)
+    queue_rows(j, columns[0], columns[1], queued)
+    return propagate(problem[2], columns, problem[5], box, (problem[3], problem[4]), queued, settings[2])[0] < 0
+
+
+@leaf
+def worthwhile(numbers, gaps):
+    """Bound from which a part cannot be better than the incumbent by more than the gap."""
+    objective = numbers[OBJECTIVE]
+    if objective == np.inf:
+        return np.inf
+    return objective - max(gaps[0], gaps[1] * abs(objective))
+
+
+@compiled
+def digest(data, tree, verdict, state, settings):
+    """Drop, settle or split a node whose relaxation has been judged; False if it needs other means."""
+    status, w, bound, active = verdict
+    numbers, counters, box = state[1], state[2], state[3]
+    if counters[DEPTH] == 0:
+        counters[ACTIVE] = min(len(active), len(state[7]))
+        state[7][: counters[ACTIVE]] = active[: counters[ACTIVE]]
+    if status == EMPTY:
+        return True
+    numbers[BOUND] = max(numbers[BOUND], bound)
+    counters[FATE] = CUT_OFF
+    if status == BEATEN or numbers[BOUND] >= worthwhile(numbers, settings[0]):
+        numbers[FLOOR] = min(numbers[FLOOR], numbers[BOUND])
+        return True
+    if status != SOLVED:
+        return False
+    if not has_choice(box[0], box[1], data[5]):
+        counters[FATE] = LEAF
+        return settle(data, box, w, bound, state, settings)
+    state[4][:] = w
+    every = settings[5]
+    if every and counters[DEPTH] % every == 0:
+        look_around(data, box, w, state, settings)
+    split(data, tree, box, w, active, state, settings)
+    return True
+
+
+@leaf
+def has_choice(lb, ub, binaries):
+    """Whether a binary is not fixed."""
+    for i in range(len(binaries)):
+        if lb[binaries[i]] < ub[binaries[i]]:
+            return True
+    return False
+
+
+@compiled
+def judge(data, box, guess, state, settings):
+    """Solve a node and certify the answer: (status, point, bound, active); a status that is not certified is -1."""
+    problem, groups, _, wide, _, _, _, known = data
+    numbers, counters = state[1], state[2]
+    cutoff = (worthwhile(numbers, settings[0]), known[0], known[1], known[2])
+    counters[SOLVES] += 1
+    status, _, w, y, active = solve_node(problem, groups, box, wide, guess, cutoff, settings[1])
+    if status == EMPTY:
+        certain = farkas_bound(problem, box, y, known[2]) > 0.0
+        return (EMPTY if certain else -1), w, -np.inf, active
+    bound = bound_below(problem, box, w, y, known)
+    if status == SOLVED:
+        value = value_at(problem, w) + known[0]
+        if not value - bound <= max(settings[0][0], settings[0][1] * abs(value)):
+            status = -1
+    return (status if status in (SOLVED, BEATEN) else -1), w, bound, active
+
+
+@compiled
+def settle(data, box, w, bound, state, settings):
+    """Close a node without a choice: its point becomes the incumbent if it is better; False if it breaks a row."""
+    numbers = state[1]
+    if not offer(data, box, w, state, settings):
+        return False
+    numbers[FLOOR] = min(numbers[FLOOR], max(bound, numbers[BOUND]))
+    return True
+
+
+@compiled
+def offer(data, box, w, state, settings):
+    """Make a point with the binaries of a box the incumbent if it is better; False if it breaks a row."""
+    problem, wide, binaries, known = data[0], data[3], data[5], data[7]
+    for i in range(len(binaries)):
+        w[binaries[i]] = box[0][binaries[i]]
+    if not excess(problem, wide, w) <= settings[3]:
+        return False
+    value = value_at(problem, w) + known[0]
+    if value < state[1][OBJECTIVE]:
+        state[0][:] = w
+        state[1][OBJECTIVE] = value
+    return True
+
+
+@compiled
+def look_around(data, box, w, state, settings):
+    """Guess words from a relaxed point: by its binaries, and by its drivers, which is tried first."""
+    for drive in (False, True):
+        inside = box[0].copy(), box[1].copy()
+        if follow(data[0], data[2], inside, w, data[4], drive, settings[2]):
+            note_word(inside[0][data[5]], state)
+
+
+@compiled
+def note_word(word, state):
+    """Put a word on the list of those to be tried, unless it was there before."""
+    counters, words = state[2], state[5]
+    code = 0
+    for i in range(len(word)):
+        code = (2 * code + (1 if word[i] > 0.5 else 0)) % MODULUS
+    for i in range(min(counters[WORDS], len(words))):
+        if words[i] == code:
+            return
+    words[counters[WORDS] % len(words)] = code
+    counters[WORDS] += 1
+    if counters[PENDING] < len(state[8]):
+        state[8][counters[PENDING]] = word
+        counters[PENDING] += 1
+
+
+@compiled
+def split(data, tree, box, w, active, state, settings):
+    """Open the two halves of a node, the nearer one to be looked at next."""
+    counters = state[2]
+    j = branching_variable(box[0], box[1], w, data[5], data[6], settings[4])
+    near = 1.0 if w[j] > 0.5 else 0.0
+    push(tree, counters, box, state[1][BOUND], j, 1.0 - near, active, w)
+    push(tree, counters, box, state[1][BOUND], j, near, active, w)
+    counters[DIVE], counters[FATE] = 1, SPLIT
+
+
+@leaf
+def branching_variable(lb, ub, w, binaries, priorities, integrality):
+    """The binary of the lowest priority that is farthest from 0 and 1; integral ones only if there is no other."""
+    chosen, best, first = -1, -1.0, np.inf
+    integral = True
+    for i in range(len(binaries)):
+        j = binaries[i]
+        if lb[j] >= ub[j]:
+            continue
+        distance = min(abs(w[j]), abs(1.0 - w[j]))
+        settled = distance <= integrality
+        if settled and not integral:
+            continue
+        better = (integral and not settled) or priorities[i] < first or (priorities[i] == first and distance > best)
+        if better:
+            chosen, best, first, integral = j, distance, priorities[i], settled
+    return chosen

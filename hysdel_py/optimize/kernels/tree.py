@@ -1,0 +1,91 @@
+"""The open nodes of a search in arrays, and which of them is looked at next.
+
+A tree is the tuple (lb, ub, bound, split, depth, active, used, order, near): per slot the box of the parent, its
+certified bound, the binary that is fixed, its value and the number of the parent, the depth, the active inequalities of
+the parent's relaxation as numbers ``2 * row + side``, of which `used` count, and its solution. The first slots in
+`order` are the open ones in the order in which they were opened, the rest are free.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from hysdel_py.optimize.compiled import compiled, leaf
+
+__all__ = [
+    "ACTIVE",
+    "COUNTERS",
+    "DEPTH",
+    "DIVE",
+    "FATE",
+    "LAST",
+    "NODES",
+    "OPEN",
+    "PENDING",
+    "SOLVES",
+    "WAY",
+    "WORDS",
+    "least_open",
+    "push",
+    "take_next",
+    "wished",
+]
+
+OPEN, NODES, SOLVES, DIVE, DEPTH, WORDS, ACTIVE, PENDING, LAST, FATE, WAY = 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10
+"""Counters: open nodes, nodes visited, programs solved, whether the last node was split, its depth, words tried,
+active inequalities at the root, words to be tried, slot of the node at hand, what became of it, and its
+entries of `split`."""
+COUNTERS = 13
+"""Their number."""
+
+
+@leaf
+def take_next(bound, order, counters):
+    """Slot of the next node, which becomes free: the child opened last, or the least bound once a dive has ended."""
+    last = counters[OPEN] - 1
+    chosen = last
+    if counters[DIVE] == 0:
+        for at in range(last - 1, -1, -1):
+            if bound[order[at]] < bound[order[chosen]]:
+                chosen = at
+    slot = order[chosen]
+    for at in range(chosen, last):
+        order[at] = order[at + 1]
+    order[last] = slot
+    counters[OPEN] = last
+    return slot
+
+
+@leaf
+def least_open(bound, order, counters):
+    """Least bound of the open nodes, infinite if there are none."""
+    least = np.inf
+    for at in range(counters[OPEN]):
+        least = min(least, bound[order[at]])
+    return least
+
+
+@compiled
+def push(tree, counters, box, bound, variable, value, active, near):
+    """Open a node below the one that was visited last; there has to be a free slot."""
+    slot = tree[7][counters[OPEN]]
+    counters[OPEN] += 1
+    tree[0][slot], tree[1][slot] = box
+    tree[2][slot] = bound
+    tree[3][slot, 0], tree[3][slot, 1], tree[3][slot, 2] = variable, value, counters[NODES]
+    tree[4][slot] = counters[DEPTH] + 1
+    count = min(len(active), tree[5].shape[1])
+    for i in range(count):
+        tree[5][slot, i] = 2 * active[i, 0] + (1 if active[i, 1] > 0 else 0)
+    tree[6][slot] = count
+    tree[8][slot] = near
+
+
+@compiled
+def wished(tree, slot):
+    """What a node begins with: active inequalities, row (or m + variable) and sign of the side, and a point."""
+    guess = np.empty((tree[6][slot], 2), dtype=np.int64)
+    for i in range(len(guess)):
+        code = tree[5][slot, i]
+        guess[i, 0], guess[i, 1] = code // 2, (1 if code % 2 else -1)
+    return guess, tree[8][slot]

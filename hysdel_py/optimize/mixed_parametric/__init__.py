@@ -1,0 +1,1 @@
+"""Steps of the solver of multi-parametric mixed-integer programs."""

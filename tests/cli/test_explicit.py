@@ -1,0 +1,56 @@
+"""``hysdel explicit``: parameters, summary, files and exit statuses."""
+
+import json
+
+import pytest
+
+from hysdel_py.control.hybrid_law import HybridLaw
+
+TANK = ("explicit", "tank.hys", "--horizon", "1", "--samples", "10")
+TO_THREE = (*TANK, "--weight", "y=1", "--ref", "y=3")
+
+
+def test_summary_and_file(hysdel, tmp_path):
+    shown = hysdel(*TO_THREE, "--out", str(tmp_path / "law.npz"))
+    assert (shown.status, shown.err) == (0, "")
+    assert "complete\n" in shown.out
+    assert "certificate holds: 10 random points" in shown.out
+    law = HybridLaw.load(tmp_path / "law.npz")
+    assert law.complete
+    assert "r(y) = 3 (fixed)" in shown.out
+
+
+def test_box_of_a_reference_and_json(hysdel):
+    shown = hysdel(*TANK, "--weight", "y=1", "--box", "r(y)=-1:3", "--json")
+    summary = json.loads(shown.out)
+    assert "r(y)" in summary["parameters"]
+    assert summary["complete"] is True
+    assert summary["certificate"]["holds"] is True
+    assert shown.status == 0
+
+
+def test_description_has_rows_and_moves(hysdel):
+    assert "move 0 = " in hysdel(*TO_THREE, "--describe").out
+
+
+def test_an_incomplete_law_is_status_one(hysdel):
+    shown = hysdel(*TO_THREE, "--time-limit", "1e-9", "--json")
+    assert shown.status == 1
+    assert json.loads(shown.out)["complete"] is False
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        (TANK, "--weight is missing"),
+        ((*TO_THREE, "--box", "nothing=0:1"), "nothing is no parameter"),
+        ((*TO_THREE, "--box", "r(y)=0:1"), "has a box and is fixed"),
+        ((*TO_THREE, "--workers", "0"), "--workers is 0"),
+        ((*TO_THREE, "--out", "/no/such/folder/law.npz"), "there is no folder"),
+        ((*TO_THREE, "--time-limit", "-1"), "--time-limit is -1"),
+    ],
+)
+def test_wrong_usage(hysdel, arguments, message):
+    shown = hysdel(*arguments)
+    assert shown.status == 2
+    assert message in shown.err
