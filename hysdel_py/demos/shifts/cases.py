@@ -8,9 +8,9 @@ advanced automotive transmissions", TU/e, DCT 2005-58. Its reference trajectorie
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
-__all__ = ["HORIZON", "SHIFTS", "Guard", "Part", "Shift"]
+__all__ = ["HORIZON", "SHIFTS", "Guard", "Part", "Shift", "shift_between"]
 
 HORIZON = 10
 """Steps of 0.01 s that each controller plans."""
@@ -33,6 +33,8 @@ class Part:
     seconds : float
     clutch_force : float
         Limit of the clutch force [N], before the margin.
+    brake_force : float, optional
+        Limit of the brake force [N] where it is not that of the shift.
     """
 
     torque: float
@@ -44,6 +46,7 @@ class Part:
     rel: Span = (None, None)
     seconds: float = 0.5
     clutch_force: float = 200.0
+    brake_force: float | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -128,5 +131,32 @@ _FIRST = Shift(
     force=250.0, slip_back=-1000.0, fall=0.3, guard=Guard(8.0, 0.15, 0.4, 0.05),
 )  # fmt: skip
 
+_DOWN = Shift(
+    "downshift", "downshift under power, the brake off", (3, 2), (400.0, 400.0), 45.0,
+    Part(50.0, clutch=100.0, brake_force=0.01),
+    Part(50.0, relative=1.0, rel=(-400.0, None), brake_force=0.01, seconds=1.0),
+    slip_back=-1000.0,
+)  # fmt: skip
 SHIFTS: Mapping[str, Shift] = {shift.name: shift for shift in (_CONSTANT, _DECREASING, _FIRST)}
 """By the name that the command takes."""
+
+
+def shift_between(gears: tuple[int, int], torques: tuple[float, float], speed: float) -> Shift:
+    """The shift of the document that fits, with other torques and speed; a downshift is ours.
+
+    Parameters
+    ----------
+    gears : pair of int
+    torques : pair of float
+        Drive-shaft torque before and after [Nm].
+    speed : float
+        Of the wheels [rad/s].
+    """
+    old, new = gears
+    if new < old:
+        kind = _DOWN
+    elif old == 1:
+        kind = _FIRST
+    else:
+        kind = _CONSTANT if torques[0] <= torques[1] else _DECREASING
+    return replace(kind, name=f"{old}-{new}", gears=gears, torques=torques, speed=speed)

@@ -63,7 +63,7 @@ def shift_limits(shift: Shift, part: int, data: Transmission) -> Limits:
     own, gear = _part(shift, part), data.gears[shift.gears[part - 1]]
     return Limits(
         x={
-            "Te": (0.01, 0.99 * 145), "Fnb": (0.0, 0.99 * shift.force), "Fnc": (0.01, 0.99 * own.clutch_force),
+            "Te": (0.01, 0.99 * 145), "Fnb": (0.0, 0.99 * shift.force if own.brake_force is None else own.brake_force), "Fnc": (0.01, 0.99 * own.clutch_force),
             "dphi": (-0.99, 0.99), "we": (low, high), "ws": (gear * low, gear * high),
             "wv": (gear * data.r_d * low, gear * data.r_d * high),
         },

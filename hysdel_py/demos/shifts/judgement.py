@@ -193,7 +193,8 @@ def _broken(shift: Shift, fine: Vector, first: int) -> tuple[str, ...]:
     late = fine[first:]
     braked = late[:, FINE.index("Fnb")] > 0.011
     beside["brake rule"] = float(np.max(np.where(braked, late[:, FINE.index("wf")] + 5.0, -1.0)))
-    beside["relative speed"] = float(np.max(-late[:, FINE.index("slip")])) - STUCK
+    side = 1.0 if shift.gears[1] > shift.gears[0] else -1.0
+    beside["relative speed"] = float(np.max(-side * late[:, FINE.index("slip")])) - STUCK
     return tuple(f"{name} by {value:.3g}" for name, value in beside.items() if value > _TOUCHED)
 
 

@@ -113,6 +113,8 @@ class ShiftPlant:
     gear : int
     deviation : Deviation, optional
         Where the plant differs from them.
+    sample_time : float
+        [s]
 
     Attributes
     ----------
@@ -120,21 +122,30 @@ class ShiftPlant:
         What happened within each sample.
     """
 
-    sample_time = SAMPLE_TIME
-
-    def __init__(self, model: Any, data: Transmission, gear: int, deviation: Deviation | None = None) -> None:
+    def __init__(
+        self,
+        model: Any,
+        data: Transmission,
+        gear: int,
+        deviation: Deviation | None = None,
+        *,
+        sample_time: float = SAMPLE_TIME,
+    ) -> None:
+        self.sample_time = sample_time
         self.x, self.u = model.dha.x, model.dha.u
         self.gear = gear
         self.data = (deviation or Deviation()).of(data)
         self._low, self._high = (np.array([end(v) for v in self.x[:3]]) for end in (_low, _high))
         still = (0.0, 0.0)
-        self._equations = drivetrain(self.data, gear, still, still, still, SAMPLE_TIME).equations
+        self._equations = drivetrain(self.data, gear, still, still, still, sample_time).equations
         self.fine: list[Vector] = []
 
     def step(self, x: Vector, u: Vector) -> Vector:
         """One sample."""
-        ends = np.clip(x[:3] + SAMPLE_TIME * np.asarray(u), self._low, self._high)
-        run = self._moving(x, ends).simulate(self._start(x), SAMPLE_TIME, Moreau(dt=SAMPLE_TIME / STEPS_PER_SAMPLE))
+        ends = np.clip(x[:3] + self.sample_time * np.asarray(u), self._low, self._high)
+        run = self._moving(x, ends).simulate(
+            self._start(x), self.sample_time, Moreau(dt=self.sample_time / STEPS_PER_SAMPLE)
+        )
         share = np.linspace(0.0, 1.0, STEPS_PER_SAMPLE + 1)[:, None]
         record = _columns(run, x[:3] + share * (ends - x[:3]))
         self.fine.append(record[1:])
@@ -146,7 +157,7 @@ class ShiftPlant:
         pairs = {"engine_torque": (x[0], ends[0]), "brake": (x[1], ends[1]), "clutch": (x[2], ends[2])}
         names = self._equations.signal_names
         signals = tuple(
-            PiecewiseLinear((0.0, SAMPLE_TIME), pairs[name]) if name in pairs else signal
+            PiecewiseLinear((0.0, self.sample_time), pairs[name]) if name in pairs else signal
             for name, signal in zip(names, self._equations.signals, strict=True)
         )
         return Drivetrain.from_equations(replace(self._equations, signals=signals))
