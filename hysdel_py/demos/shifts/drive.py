@@ -216,4 +216,3 @@ class _Drive:
         fine = np.vstack([piece[1] for piece in self._pieces])
         pedal: Vector = self._pedal_at(t)
         return DriveRun(t, fine, gear, pedal, wanted, tuple(self._shifts), tuple(self._decisions), self._data)
-

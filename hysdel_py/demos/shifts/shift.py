@@ -23,8 +23,9 @@ from hysdel_py.demos.shifts.controllers import (
     release_brake,
     shift_controller,
 )
-from hysdel_py.demos.shifts.judgement import Judgement, judged
+from hysdel_py.demos.shifts.judgement import Judgement, drive_torque, judged
 from hysdel_py.demos.shifts.plant import SAMPLE_TIME, STEPS_PER_SAMPLE, Deviation, ShiftPlant
+from hysdel_py.demos.shifts.references import torque_reference
 from hysdel_py.demos.shifts.transmission import STATES, Transmission
 from hysdel_py.systems.trajectory import Trajectory
 
@@ -53,12 +54,14 @@ class ShiftRun:
     fine : array of shape (steps, len(FINE))
         The plant at its own steps.
     judgement : Judgement
+    data : Transmission
     """
 
     shift: Shift
     parts: tuple[Trajectory, ...]
     fine: Vector
     judgement: Judgement
+    data: Transmission
 
     @property
     def done(self) -> bool:
@@ -74,6 +77,16 @@ class ShiftRun:
     def t(self) -> Vector:
         """Times of the fine steps [s]."""
         return SAMPLE_TIME / STEPS_PER_SAMPLE * np.arange(1, len(self.fine) + 1)
+
+    @property
+    def torque(self) -> Vector:
+        """Torque of the drive shaft at the fine steps [Nm]."""
+        return drive_torque(self.data, self.fine)
+
+    @property
+    def reference(self) -> Vector:
+        """Its reference [Nm]."""
+        return torque_reference(self.shift.torques, self.t, self.shift.fall)
 
     def figures(self) -> dict[str, Any]:
         """The figures as plain data."""
@@ -128,7 +141,7 @@ def run_shift(
     rng = np.random.default_rng(seed) if noise else None
     journey = _Journey(shift, data, deviation, noise or {}, rng, node_limit, progress, float(start[2]))
     parts, fine = journey.run(np.asarray(start, dtype=float))
-    return ShiftRun(shift, parts, fine, judged(shift, data, parts, fine))
+    return ShiftRun(shift, parts, fine, judged(shift, data, parts, fine), data)
 
 
 @dataclass(eq=False)
