@@ -23,6 +23,7 @@ STUCK = 1e-6
 _STEP = SAMPLE_TIME / STEPS_PER_SAMPLE
 _JERK_WINDOW = 0.1  # s before and after lock-up
 _TOUCHED = 1e-6
+_BETWEEN_SAMPLES = 0.1  # Nm above the engine curve that its fall between two samples may leave
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -189,7 +190,7 @@ def _broken(shift: Shift, fine: Vector, first: int) -> tuple[str, ...]:
         for name, (low, high) in _ranges(shift).items()
     }
     curve = np.array([engine_limit(speed) for speed in fine[:, FINE.index("we")]])
-    beside["engine curve"] = float(np.max(fine[:, FINE.index("Te")] - curve))
+    beside["engine curve"] = float(np.max(fine[:, FINE.index("Te")] - curve)) - _BETWEEN_SAMPLES
     late = fine[first:]
     braked = late[:, FINE.index("Fnb")] > 0.011
     beside["brake rule"] = float(np.max(np.where(braked, late[:, FINE.index("wf")] + 5.0, -1.0)))

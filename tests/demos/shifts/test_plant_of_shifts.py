@@ -83,14 +83,15 @@ def test_traction_covers_the_cases_of_the_document():
     assert traction(DATA, 1, 100) == 0.0
 
 
-def test_sustained_torque_is_what_the_plant_settles_at():
-    start = DATA.stationary(2, 700.0, 60.0) | {"Te": engine_limit(DATA.engine_speed(2, 60.0)), "Fnc": 200.0}
-    one, x = plant(), np.array(list(start.values()))
+def test_sustained_torque_is_what_the_plant_swings_about():
+    torque = sustained(DATA, 2, 60.0)
+    start = DATA.stationary(2, torque, 60.0) | {"Te": engine_limit(DATA.engine_speed(2, 60.0)), "Fnc": 200.0}
+    one, x, seen = plant(), np.array(list(start.values())), []
     for _ in range(60):
         x = one.step(x, np.zeros(3))
+        seen.append(DATA.k * x[3] + DATA.d * (DATA.r_d * x[5] - x[6]))
         x[0] = engine_limit(x[4])
-    torque = DATA.k * x[3] + DATA.d * (DATA.r_d * x[5] - x[6])
-    assert torque == pytest.approx(sustained(DATA, 2, x[6]), rel=0.01)
+    assert np.mean(seen) == pytest.approx(torque, rel=0.03)
 
 
 def test_bridged_torque_leaves_the_secondary_shaft_at_rest():
