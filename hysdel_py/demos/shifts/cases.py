@@ -1,8 +1,8 @@
 """The three gear shifts of the document: start, torque at the wheels, weights, limits and lengths of both parts.
 
-Numbers are those of equations (10.18) to (10.23) and appendix K of J.R.P. Kusters, "Modelling and coordinated control of
-advanced automotive transmissions", TU/e, DCT 2005-58. Its reference trajectories are not in its text; ours are made by
-:mod:`hysdel_py.demos.shifts.references`.
+Numbers are those of equations (10.18) to (10.23) and appendix K of J.R.P. Kusters, "Modelling and coordinated control
+of advanced automotive transmissions", TU/e, DCT 2005-58. Its reference trajectories are not in its text; ours are made
+by :mod:`hysdel_py.demos.shifts.references`.
 """
 
 from __future__ import annotations

@@ -6,8 +6,8 @@ Weights, limits and horizon are those of the document. What departs from it:
 * The brake rule is planned with a flywheel one rad/s further back than the document's -5 rad/s, so that the plant keeps
   the rule between two samples.
 * A state measured beside the ranges of the model, or on a threshold, is moved to the side that the model knows.
-* Where hard limits leave no plan, a plan with softened limits is taken; where there is none either, the brake is released
-  and the engine takes over its torque. Both are counted.
+* Where hard limits leave no plan, a plan with softened limits is taken; where there is none either, the brake is
+  released and the engine takes over its torque. Both are counted.
 """
 
 from __future__ import annotations
@@ -61,9 +61,10 @@ def shift_limits(shift: Shift, part: int, data: Transmission) -> Limits:
     """Limits of the document: 0.99 and 1.01 times those of the model."""
     low, high = 1.01 * LEAST_SPEED, 0.99 * MOST_SPEED
     own, gear = _part(shift, part), data.gears[shift.gears[part - 1]]
+    brake = 0.99 * shift.force if own.brake_force is None else own.brake_force
     return Limits(
         x={
-            "Te": (0.01, 0.99 * 145), "Fnb": (0.0, 0.99 * shift.force if own.brake_force is None else own.brake_force), "Fnc": (0.01, 0.99 * own.clutch_force),
+            "Te": (0.01, 0.99 * 145), "Fnb": (0.0, brake), "Fnc": (0.01, 0.99 * own.clutch_force),
             "dphi": (-0.99, 0.99), "we": (low, high), "ws": (gear * low, gear * high),
             "wv": (gear * data.r_d * low, gear * data.r_d * high),
         },
@@ -90,7 +91,7 @@ def _part(shift: Shift, part: int) -> Part:
 
 
 def release_brake(_k: int, _x: Vector, _move: Any) -> Vector:
-    """What is done where no plan is found: brake off at its fastest rate, engine torque in its place, clutch as it is."""
+    """Where no plan is found: brake off at its fastest rate, engine torque in its place, clutch as it is."""
     return np.array([450.0, -495.0, 0.0])
 
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from itertools import pairwise
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -133,7 +134,7 @@ def drive(
         The times of the pedal do not ascend from 0.
     """
     times = [t for t, _ in pedal]
-    if len(times) < 2 or times[0] != 0.0 or any(b <= a for a, b in zip(times, times[1:], strict=False)):
+    if len(times) < 2 or times[0] != 0.0 or any(b <= a for a, b in pairwise(times)):
         raise ArgumentError("the times of the pedal have to ascend from 0, two or more")
     return _Drive(tuple(pedal), supervisor or Supervisor(), progress).run(start)
 

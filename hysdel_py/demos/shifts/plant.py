@@ -2,8 +2,8 @@
 
 The shafts are put together from components of a :class:`Drivetrain` and simulated by time-stepping, in steps far finer
 than the sample time of a controller. The models of the controllers know slipping friction only, the brake with the sign
-that it has on a flywheel turning backwards; here the brake opposes the flywheel whichever way it turns, holds it when it
-stops, and the clutch holds the shafts together when they meet.
+that it has on a flywheel turning backwards; here the brake opposes the flywheel whichever way it turns, holds it when
+it stops, and the clutch holds the shafts together when they meet.
 """
 
 from __future__ import annotations
@@ -68,7 +68,7 @@ class Deviation:
 
 
 def drivetrain(
-    data: Transmission, gear: int, torque: ArrayLike, brake: ArrayLike, clutch: ArrayLike, span: float
+    data: Transmission, gear: int, *, torque: ArrayLike, brake: ArrayLike, clutch: ArrayLike, span: float
 ) -> Drivetrain:
     """The transmission in one gear, with inputs that go evenly from a first to a last value over a time span.
 
@@ -137,7 +137,9 @@ class ShiftPlant:
         self.data = (deviation or Deviation()).of(data)
         self._low, self._high = (np.array([end(v) for v in self.x[:3]]) for end in (_low, _high))
         still = (0.0, 0.0)
-        self._equations = drivetrain(self.data, gear, still, still, still, sample_time).equations
+        self._equations = drivetrain(
+            self.data, gear, torque=still, brake=still, clutch=still, span=sample_time
+        ).equations
         self.fine: list[Vector] = []
 
     def step(self, x: Vector, u: Vector) -> Vector:

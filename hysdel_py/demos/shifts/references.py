@@ -4,10 +4,10 @@ The document made its references with a block diagram that its text does not hol
 
 * the drive-shaft torque goes from its first to its last value on a polynomial of degree five with resting ends, over
   the seconds that the shift names;
-* the flywheel speed of part 1 stays where a clutch with a little positive slip holds it until the clutch has had the time
-  to open, and then goes to its target on the same polynomial. The model of part 1 knows slipping friction only: were the
-  engine allowed to fall behind its shaft while the clutch still carries torque, the clutch of the plant would stick and
-  then pull the other way, and the torque at the wheels would lack what the model counts on;
+* the flywheel speed of part 1 stays where a clutch with a little positive slip holds it until the clutch has had time
+  to open, and then goes to its target on the same polynomial. The model of part 1 knows slipping friction only: were
+  the engine allowed to fall behind its shaft while the clutch still carries torque, the clutch of the plant would
+  stick and then pull the other way, and the torque at the wheels would lack what the model counts on;
 * the relative speed of part 2 has the reference zero until it is small, and then dies away exponentially from where it
   is, so that the clutch locks with a small relative acceleration;
 * brake force has the reference zero, and clutch force too where engine and brake can carry the torque alone.

@@ -1,8 +1,8 @@
 """A gear shift from the first move to the locked clutch, and what it looked like at the plant.
 
 Part 1 releases the clutch in the old gear; the gear is changed while the clutch carries nothing; part 2 begins with the
-state in which part 1 ended and ends when the relative speed has died away; a simple law then locks the clutch. Everything
-is judged at the fine steps of the plant.
+state in which part 1 ended and ends when the relative speed has died away; a simple law then locks the clutch.
+Everything is judged at the fine steps of the plant.
 """
 
 from __future__ import annotations

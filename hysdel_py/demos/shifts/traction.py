@@ -37,8 +37,8 @@ def traction_map(data: Transmission, wheels: ArrayLike, *, beyond: str = "line")
 def sustained(data: Transmission, gear: int, wheels: float) -> float:
     """The same for a vehicle that gains speed: engine, shafts and flywheel take their share of the torque [Nm].
 
-    With the clutch stuck and the brake off, ``r_d T = Te/r - J dws`` with all inertias J at the secondary shaft, and the
-    vehicle gains ``J_v dwv = T - b_v wv``.
+    With the clutch stuck and the brake off, ``r_d T = Te/r - J dws`` with all inertias J at the secondary shaft, and
+    the vehicle gains ``J_v dwv = T - b_v wv``.
     """
     engine = data.engine_speed(gear, wheels)
     if not LEAST_SPEED <= engine <= MOST_SPEED:
