@@ -61,7 +61,8 @@ def wheel_reference(shift: Shift, data: Transmission, secondary: float, force: f
 
 def ahead(k: int) -> Vector:
     """Times that a plan made at step k looks at [s]."""
-    return SAMPLE_TIME * (k + np.arange(HORIZON + 1))
+    value: Vector = SAMPLE_TIME * (k + np.arange(HORIZON + 1))
+    return value
 
 
 def landing(relative: float) -> Vector:
