@@ -7,6 +7,7 @@
 Noise: standard deviations of 0.2 rad/s for engine and secondary shaft, 0.02 rad/s for the wheels, 0.5 Nm and 0.5 N.
 """
 
+# ruff: noqa: E501  (rows of printed tables read better unbroken)
 from __future__ import annotations
 
 import argparse
