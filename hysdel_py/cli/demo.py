@@ -6,6 +6,7 @@ import argparse
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from hysdel_py.cli.demo_shifts import TITLES, run_shift_demo
 from hysdel_py.cli.output import clear_progress, print_json, progress_line
 from hysdel_py.demos.clutch import ClutchDemo, engage
 from hysdel_py.demos.dynamic_programming import DpDemo, engage_by_dp
@@ -23,6 +24,8 @@ examples:
   hysdel demo clutch --json
   hysdel demo dp
   hysdel demo dp --two-inputs
+  hysdel demo upshift-23
+  hysdel demo drive --output results
 """
 _ENGINE_TORQUES = 8
 
@@ -33,12 +36,13 @@ def add_parser(commands: argparse._SubParsersAction[argparse.ArgumentParser]) ->
         "demo",
         help="run a ready-made application",
         description="Run a ready-made application, print its figures, and write a picture and a table.\n"
-        "  clutch   engage a dry clutch by hybrid model predictive control\n"
-        "  dp       engage a dry clutch by numerical dynamic programming",
+        f"  {'clutch':<21}engage a dry clutch by hybrid model predictive control\n"
+        f"  {'dp':<21}engage a dry clutch by numerical dynamic programming\n"
+        + "\n".join(f"  {name:<21}{title}" for name, title in TITLES.items()),
         epilog=_EPILOG,
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )
-    parser.add_argument("name", choices=["clutch", "dp"], help="which one")
+    parser.add_argument("name", choices=["clutch", "dp", *TITLES], help="which one")
     parser.add_argument("--horizon", type=int, default=10, metavar="N", help="clutch: steps planned (default 10)")
     parser.add_argument(
         "--backend", default="auto", help="clutch: solver of the quadratic programs: auto, dense, piqp or osqp"
@@ -60,6 +64,8 @@ def add_parser(commands: argparse._SubParsersAction[argparse.ArgumentParser]) ->
 def run(options: argparse.Namespace) -> int:
     """Run the command; the exit status is 1 if the clutch was not engaged."""
     _require_own_options(options)
+    if options.name in TITLES:
+        return run_shift_demo(options)
     folder = Path(options.output)
     if not options.json:
         folder.mkdir(parents=True, exist_ok=True)

@@ -1,0 +1,163 @@
+"""The two controllers of a shift, and what stands between them and a plant that is not their model.
+
+Weights, limits and horizon are those of the document. What departs from it:
+
+* The brake may go to zero, where it is surely off; the document ends its range at 0.01 N, the very threshold.
+* The brake rule is planned with a flywheel one rad/s further back than the document's -5 rad/s, so that the plant keeps
+  the rule between two samples.
+* A state measured beside the ranges of the model, or on a threshold, is moved to the side that the model knows.
+* Where hard limits leave no plan, a plan with softened limits is taken; where there is none either, the brake is
+  released and the engine takes over its torque. Both are counted.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from functools import cache
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from hysdel_py.control.costs import Cost
+from hysdel_py.control.hybrid_mpc import HybridMpc
+from hysdel_py.control.limits import Limits
+from hysdel_py.control.move import Move
+from hysdel_py.demos.shifts import references
+from hysdel_py.demos.shifts.cases import HORIZON, Part, Shift
+from hysdel_py.demos.shifts.transmission import LEAST_SPEED, MOST_SPEED, Transmission, engine_limit
+from hysdel_py.model import Model, load
+
+__all__ = ["NODE_LIMIT", "PartController", "part_model", "release_brake", "shift_controller", "shift_limits"]
+
+Vector = NDArray[np.float64]
+
+NODE_LIMIT = 100
+"""Nodes of the branch and bound per move."""
+BRAKE_RULE = -6.0
+"""Flywheel speed up to which a plan may use the brake [rad/s]."""
+_LEAN = 1e-5  # what a measured torque or force is moved by, off a threshold that a plan ended on
+_FASTEST = {"Te_rate": (-396.0, 495.0), "Fnb_rate": (-495.0, 792.0), "Fnc_rate": (-495.0, 792.0)}
+_PRICE = 1e4
+
+
+@cache
+def _model(name: str, parameters: tuple[tuple[str, float], ...]) -> Model:
+    return load(name, **dict(parameters))
+
+
+def part_model(shift: Shift, part: int, data: Transmission) -> Model:
+    """The shipped model of part 1 or 2 with the gears of a shift."""
+    old, new = (data.gears[gear] for gear in shift.gears)
+    if part == 1:
+        return _model(
+            "bist_part1", (("r_old", old), ("r_new", new), ("F_max", shift.force), ("slip_back", shift.slip_back))
+        )
+    return _model("bist_part2", (("r_new", new), ("F_max", shift.force), ("wf_back", BRAKE_RULE)))
+
+
+def shift_limits(shift: Shift, part: int, data: Transmission) -> Limits:
+    """Limits of the document: 0.99 and 1.01 times those of the model."""
+    low, high = 1.01 * LEAST_SPEED, 0.99 * MOST_SPEED
+    own, gear = _part(shift, part), data.gears[shift.gears[part - 1]]
+    brake = 0.99 * shift.force if own.brake_force is None else own.brake_force
+    return Limits(
+        x={
+            "Te": (0.01, 0.99 * 145), "Fnb": (0.0, brake), "Fnc": (0.01, 0.99 * own.clutch_force),
+            "dphi": (-0.99, 0.99), "we": (low, high), "ws": (gear * low, gear * high),
+            "wv": (gear * data.r_d * low, gear * data.r_d * high),
+        },
+        y={"torque": (0.0, 2000.0), "wf": own.wf, "rel": own.rel},
+        u=_FASTEST,
+        soft=("wf",) if shift.guard else (),
+        **({"rho": _PRICE} if shift.guard else {}),
+    )  # fmt: skip
+
+
+def shift_controller(shift: Shift, part: int, data: Transmission, node_limit: int = NODE_LIMIT) -> HybridMpc:
+    """The controller of part 1 or 2 of a shift."""
+    own = _part(shift, part)
+    outputs = {"torque": own.torque, "wf": own.wheel, "rel": own.relative}
+    forces = {"Fnb": own.brake, "Fnc": own.clutch}
+    x = {name: weight for name, weight in forces.items() if weight}
+    cost = Cost(y={name: weight for name, weight in outputs.items() if weight}, x=x, terminal=x)
+    limits = shift_limits(shift, part, data)
+    return HybridMpc(part_model(shift, part, data), HORIZON, cost, limits, node_limit=node_limit, fallback="soft")
+
+
+def _part(shift: Shift, part: int) -> Part:
+    return shift.release if part == 1 else shift.engage
+
+
+def release_brake(_k: int, _x: Vector, _move: Any) -> Vector:
+    """Where no plan is found: brake off at its fastest rate, engine torque in its place, clutch as it is."""
+    return np.array([450.0, -495.0, 0.0])
+
+
+@dataclass(eq=False)
+class PartController:
+    """A controller at its plant: makes references and limits for each step, and takes measurements as they are.
+
+    Parameters
+    ----------
+    shift : Shift
+    part : int
+        1 or 2.
+    data : Transmission
+    mpc : HybridMpc
+    since : float
+        Second of the shift at which the part begins.
+    force : float
+        Clutch force at the begin of the shift [N].
+    noise : mapping of state to float
+        Standard deviations of the measurement.
+    rng : numpy Generator, optional
+    """
+
+    shift: Shift
+    part: int
+    data: Transmission
+    mpc: HybridMpc
+    since: float
+    force: float
+    noise: Mapping[str, float] = field(default_factory=dict)
+    rng: Any = None
+
+    def solve(self, x: Vector, k: int) -> Move:
+        """The move at step k of the part."""
+        seen = self._seen(x)
+        t = self.since + references.ahead(k)
+        return self.mpc.solve(seen, self._references(seen, t), limits=self._limits(seen, t))
+
+    def _seen(self, x: Vector) -> Vector:
+        """The measured state, on the sides of ranges and thresholds that the model knows."""
+        names = [v.name for v in self.mpc.mld.x]
+        noise = np.array([self.noise.get(name, 0.0) for name in names])
+        seen: Vector = x + (noise * self.rng.standard_normal(len(x)) if self.rng is not None else 0.0)
+        seen = np.clip(seen, [v.low for v in self.mpc.mld.x], [v.high for v in self.mpc.mld.x])
+        seen[0] = max(0.0, min(seen[0], engine_limit(seen[4], beyond="range")) - _LEAN)
+        seen[1] = max(0.0, seen[1] - _LEAN)
+        return seen
+
+    def _references(self, x: Vector, t: Vector) -> dict[str, Any]:
+        shift, data = self.shift, self.data
+        wanted: dict[str, Any] = {"torque": references.torque_reference(shift.torques, t, shift.fall)}
+        if self.part == 2:
+            return wanted | {"rel": references.landing(data.relative_speed(shift.gears[1], x[4], x[5]))}
+        if shift.release.wheel:
+            wanted["wf"] = references.wheel_reference(shift, data, x[5], self.force, t)
+        if shift.guard:
+            wanted["Fnc"] = references.clutch_reference(shift, data, self.force, t)
+        return wanted
+
+    def _limits(self, x: Vector, t: Vector) -> Limits | None:
+        guard = self.shift.guard
+        if self.part == 2 or guard is None:
+            return None
+        fall = 495.0 * np.clip(guard.open_by - t, 0.0, None)
+        within_reach = x[2] - 4.9 * np.arange(len(t))
+        most = np.clip(np.maximum(fall, within_reach), 0.01, 0.99 * self.shift.release.clutch_force)
+        most[0] = 0.99 * self.shift.release.clutch_force
+        wheel = (self.shift.release.wf[0], references.guard_limit(self.shift, self.data, x[5], t))
+        return Limits(y={"wf": wheel}, x={"Fnc": (0.01, most)})
