@@ -18,6 +18,12 @@ if TYPE_CHECKING:
     from hysdel_py.control.closed_loop import closed_loop
     from hysdel_py.control.costs import Cost
     from hysdel_py.control.disturbance import with_disturbances
+    from hysdel_py.control.dynamic_programming.affine_feedback import AffineFeedback
+    from hysdel_py.control.dynamic_programming.analytical import AnalyticalDp
+    from hysdel_py.control.dynamic_programming.grids import Axis
+    from hysdel_py.control.dynamic_programming.problem import DynamicProgram
+    from hysdel_py.control.dynamic_programming.settings import DpSettings
+    from hysdel_py.control.dynamic_programming.table import FeedbackTable
     from hysdel_py.control.explicit import explicit
     from hysdel_py.control.explicit_law import ExplicitLaw
     from hysdel_py.control.hybrid_law import HybridLaw
@@ -36,6 +42,7 @@ if TYPE_CHECKING:
     from hysdel_py.geometry.union import PolyhedralUnion
     from hysdel_py.model import Model, audit, load, to_dha, to_mld, to_pwa, to_symbolic_mld
     from hysdel_py.optimize.case_file import CaseFile, read_case
+    from hysdel_py.optimize.lcp.solve import LcpResult, LcpSettings, LcpStatus, solve_boxed_lcp, solve_lcp
     from hysdel_py.optimize.mpmiqp import MpMiqp, MpMiqpSettings, solve_mpmiqp
     from hysdel_py.optimize.mpqp import MpQp, MpQpSettings, ParametricSolution, solve_mpqp
     from hysdel_py.optimize.node_log import NodeLog
@@ -51,30 +58,41 @@ if TYPE_CHECKING:
     from hysdel_py.systems.trajectory import Trajectory
 
 __all__ = [
-    "ArgumentError", "CaseFile", "CompileError", "Cost", "Dha", "Difference", "Estimate", "Explanation",
-    "ExplicitLaw", "HybridLaw", "HybridMpc", "HysdelError", "KalmanObserver", "Limits", "LinearCost",
-    "LinearLimits", "LinearMpc", "Lti", "Margins", "Mld", "Model", "Move", "MoveStatus", "MovingHorizonEstimator",
-    "MpMiqp", "MpMiqpSettings", "MpQp", "MpQpSettings", "NodeLog", "ParametricSolution", "PolyhedralUnion",
-    "Polyhedron", "Pwa", "SimulationError", "Trajectory", "Verification", "WellPosedness", "__version__", "audit",
-    "closed_loop", "diff", "explain_infeasible", "explicit", "load", "minkowski_sum", "pontryagin_difference",
-    "read_case", "read_json", "shipped_models", "simulate", "solve_mpmiqp", "solve_mpqp", "to_c", "to_dha",
-    "to_mld", "to_pwa", "to_symbolic_mld", "verify", "warm_up", "well_posed", "with_disturbances",
+    "AffineFeedback", "AnalyticalDp", "ArgumentError", "Axis", "CaseFile", "CompileError", "Cost", "Dha",
+    "Difference", "DpSettings", "DynamicProgram", "Estimate", "Explanation", "ExplicitLaw", "FeedbackTable",
+    "HybridLaw", "HybridMpc", "HysdelError", "KalmanObserver", "LcpResult", "LcpSettings", "LcpStatus", "Limits",
+    "LinearCost", "LinearLimits", "LinearMpc", "Lti", "Margins", "Mld", "Model", "Move", "MoveStatus",
+    "MovingHorizonEstimator", "MpMiqp", "MpMiqpSettings", "MpQp", "MpQpSettings", "NodeLog", "ParametricSolution",
+    "PolyhedralUnion", "Polyhedron", "Pwa", "SimulationError", "Trajectory", "Verification", "WellPosedness",
+    "__version__", "audit", "closed_loop", "diff", "explain_infeasible", "explicit", "load", "minkowski_sum",
+    "pontryagin_difference", "read_case", "read_json", "shipped_models", "simulate", "solve_boxed_lcp", "solve_lcp",
+    "solve_mpmiqp", "solve_mpqp", "to_c", "to_dha", "to_mld", "to_pwa", "to_symbolic_mld", "verify", "warm_up",
+    "well_posed", "with_disturbances",
 ]  # fmt: skip
 
 _HOME = {
+    "AffineFeedback": "control.dynamic_programming.affine_feedback",
+    "AnalyticalDp": "control.dynamic_programming.analytical",
     "ArgumentError": "errors",
+    "Axis": "control.dynamic_programming.grids",
     "CaseFile": "optimize.case_file",
     "CompileError": "errors",
     "Cost": "control.costs",
     "Dha": "systems.dha",
     "Difference": "analysis.diff_report",
+    "DpSettings": "control.dynamic_programming.settings",
+    "DynamicProgram": "control.dynamic_programming.problem",
     "Estimate": "control.moving_horizon",
     "Explanation": "reports.explanation",
     "ExplicitLaw": "control.explicit_law",
+    "FeedbackTable": "control.dynamic_programming.table",
     "HybridLaw": "control.hybrid_law",
     "HybridMpc": "control.hybrid_mpc",
     "HysdelError": "errors",
     "KalmanObserver": "control.observer",
+    "LcpResult": "optimize.lcp.solve",
+    "LcpSettings": "optimize.lcp.solve",
+    "LcpStatus": "optimize.lcp.solve",
     "Limits": "control.limits",
     "LinearCost": "control.linear_cost",
     "LinearLimits": "control.linear_limits",
@@ -111,6 +129,8 @@ _HOME = {
     "read_json": "export.json_file",
     "shipped_models": "shipped",
     "simulate": "systems.simulation",
+    "solve_boxed_lcp": "optimize.lcp.solve",
+    "solve_lcp": "optimize.lcp.solve",
     "solve_mpmiqp": "optimize.mpmiqp",
     "solve_mpqp": "optimize.mpqp",
     "to_c": "export.plant_c",

@@ -4,9 +4,15 @@ from __future__ import annotations
 
 import argparse
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from hysdel_py.cli.output import clear_progress, print_json, progress_line
 from hysdel_py.demos.clutch import ClutchDemo, engage
+from hysdel_py.demos.dynamic_programming import DpDemo, engage_by_dp
+from hysdel_py.errors import ArgumentError
+
+if TYPE_CHECKING:
+    from hysdel_py.systems.trajectory import Trajectory
 
 __all__ = ["add_parser"]
 
@@ -15,7 +21,10 @@ examples:
   hysdel demo clutch
   hysdel demo clutch --horizon 5 --output results
   hysdel demo clutch --json
+  hysdel demo dp
+  hysdel demo dp --two-inputs
 """
+_ENGINE_TORQUES = 8
 
 
 def add_parser(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
@@ -24,14 +33,23 @@ def add_parser(commands: argparse._SubParsersAction[argparse.ArgumentParser]) ->
         "demo",
         help="run a ready-made application",
         description="Run a ready-made application, print its figures, and write a picture and a table.\n"
-        "  clutch   engage a dry clutch by hybrid model predictive control",
+        "  clutch   engage a dry clutch by hybrid model predictive control\n"
+        "  dp       engage a dry clutch by numerical dynamic programming",
         epilog=_EPILOG,
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )
-    parser.add_argument("name", choices=["clutch"], help="which one")
-    parser.add_argument("--horizon", type=int, default=10, metavar="N", help="steps that are planned (default 10)")
-    parser.add_argument("--backend", default="auto", help="solver of the quadratic programs: auto, dense, piqp or osqp")
-    parser.add_argument("--hard", action="store_true", help="keep the engine-speed limit hard: the loop ends early")
+    parser.add_argument("name", choices=["clutch", "dp"], help="which one")
+    parser.add_argument("--horizon", type=int, default=10, metavar="N", help="clutch: steps planned (default 10)")
+    parser.add_argument(
+        "--backend", default="auto", help="clutch: solver of the quadratic programs: auto, dense, piqp or osqp"
+    )
+    parser.add_argument(
+        "--hard", action="store_true", help="clutch: keep the engine-speed limit hard: the loop ends early"
+    )
+    parser.add_argument(
+        "--grid", type=float, default=1.0, metavar="STEP", help="dp: distance of the nodes in rad/s (default 1)"
+    )
+    parser.add_argument("--two-inputs", action="store_true", help="dp: the engine torque is an input too")
     parser.add_argument(
         "--output", metavar="FOLDER", default="hysdel-demo", help="where the files go (default hysdel-demo)"
     )
@@ -41,32 +59,61 @@ def add_parser(commands: argparse._SubParsersAction[argparse.ArgumentParser]) ->
 
 def run(options: argparse.Namespace) -> int:
     """Run the command; the exit status is 1 if the clutch was not engaged."""
+    _require_own_options(options)
     folder = Path(options.output)
     if not options.json:
         folder.mkdir(parents=True, exist_ok=True)
     progress = progress_line(not options.json)
-    result = engage(horizon=options.horizon, backend=options.backend, hard=options.hard, progress=progress)
+    result: ClutchDemo | DpDemo
+    if options.name == "dp":
+        torques = _ENGINE_TORQUES if options.two_inputs else 0
+        result = engage_by_dp(options.grid, engine_torques=torques, progress=progress)
+    else:
+        result = engage(horizon=options.horizon, backend=options.backend, hard=options.hard, progress=progress)
     clear_progress(progress)
+    trajectory = result.trajectory
     if options.json:
-        print_json(result.figures() | {"trajectory": result.trajectory.to_dict()})
+        print_json(result.figures() | {"trajectory": None if trajectory is None else trajectory.to_dict()})
     else:
         print(_report(result))
-        print("\n".join(_write_files(result, folder)))
+        print("\n".join(_write_files(result, trajectory, folder / options.name)))
     return 0 if result.engaged else 1
 
 
-def _report(result: ClutchDemo) -> str:
-    lines = [f"  {text:<44} {value}" for text, value in result.table()]
-    return "\n".join(["Engagement of a dry clutch by hybrid model predictive control", *lines, *result.messages])
+_OWN: dict[str, dict[str, object]] = {
+    "clutch": {"horizon": 10, "backend": "auto", "hard": False},
+    "dp": {"grid": 1.0, "two_inputs": False},
+}
 
 
-def _write_files(result: ClutchDemo, folder: Path) -> list[str]:
-    written = [folder / "clutch.csv"]
-    written[0].write_text(result.trajectory.to_csv(), encoding="utf-8")
+def _require_own_options(options: argparse.Namespace) -> None:
+    """Refuse options of the other demo, which would change nothing."""
+    for name, defaults in _OWN.items():
+        for option, default in defaults.items():
+            if name != options.name and getattr(options, option) != default:
+                raise ArgumentError(f"--{option.replace('_', '-')} belongs to the demo {name}, not to {options.name}")
+
+
+def _report(result: ClutchDemo | DpDemo) -> str:
+    messages: tuple[str, ...] = ()
+    if isinstance(result, DpDemo):
+        title, rows = "Engagement of a dry clutch by numerical dynamic programming", result.rows()
+    else:
+        title, rows = "Engagement of a dry clutch by hybrid model predictive control", result.table()
+        messages = result.messages
+    return "\n".join([title, *(f"  {text:<44} {value}" for text, value in rows), *messages])
+
+
+def _write_files(result: ClutchDemo | DpDemo, trajectory: Trajectory | None, stem: Path) -> list[str]:
+    written = []
+    if trajectory is not None:
+        written.append(stem.with_suffix(".csv"))
+        written[0].write_text(trajectory.to_csv(), encoding="utf-8")
     try:
         figure = result.plot()
     except ModuleNotFoundError:
-        return [f"wrote {written[0]}", "no picture: matplotlib is not installed (pip install matplotlib)"]
-    written.append(folder / "clutch.png")
-    figure.savefig(written[1])
+        missing = "no picture: matplotlib is not installed (pip install matplotlib)"
+        return [*(f"wrote {path}" for path in written), missing]
+    written.append(stem.with_suffix(".png"))
+    figure.savefig(written[-1])
     return [f"wrote {path}" for path in written]

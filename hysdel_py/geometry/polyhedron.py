@@ -29,7 +29,7 @@ _ROUNDING = 1e-14
 """A sum this small relative to the sizes of its terms is zero."""
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class Polyhedron:
     """``{w : A w <= b}``; both arrays are read-only.
 
@@ -43,6 +43,9 @@ class Polyhedron:
     A: Matrix
     b: Vector
     precision: Precision = DEFAULT_PRECISION
+
+    def __repr__(self) -> str:
+        return f"<Polyhedron in {self.n} coordinates, {self.m} rows>"
 
     def __post_init__(self) -> None:
         A, b = np.array(self.A, dtype=float), np.array(self.b, dtype=float)

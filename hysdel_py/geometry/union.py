@@ -47,7 +47,7 @@ def _has_inner_points(polyhedron: Polyhedron) -> bool:
     return polyhedron.ball.radius > polyhedron.precision.empty
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class PolyhedralUnion:
     """Points that lie in at least one of some polyhedra.
 
@@ -58,6 +58,9 @@ class PolyhedralUnion:
     """
 
     parts: tuple[Polyhedron, ...]
+
+    def __repr__(self) -> str:
+        return f"<PolyhedralUnion of {len(self.parts)} polyhedra in {self.n} coordinates>"
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "parts", tuple(self.parts))

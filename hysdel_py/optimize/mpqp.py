@@ -53,7 +53,7 @@ class CriticalRegion:
     centre: Vector
 
 
-@dataclass(frozen=True, eq=False, slots=True)
+@dataclass(frozen=True, eq=False, repr=False, slots=True)
 class ParametricSolution:
     """Map of a multi-parametric program.
 
@@ -85,6 +85,10 @@ class ParametricSolution:
     explored: int
     points: int
     seconds: float
+
+    def __repr__(self) -> str:
+        state = "complete" if self.complete else f"incomplete, {self.stop.value}"
+        return f"<ParametricSolution: {len(self.regions)} regions, {state}>"
 
 
 def solve_mpqp(

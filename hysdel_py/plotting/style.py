@@ -17,8 +17,10 @@ LIMIT = "#B22222"
 MUTED = "#777777"
 
 
-def new_figure(panels: int, heights: list[float] | None = None) -> tuple[Figure, list[Axes]]:
-    """A figure with panels above each other that share the time axis.
+def new_figure(
+    panels: int, heights: list[float] | None = None, *, share_time: bool = True
+) -> tuple[Figure, list[Axes]]:
+    """A figure with panels above each other that share the time axis, unless told otherwise.
 
     The figure belongs to no window and to no global state of matplotlib.
     """
@@ -28,7 +30,7 @@ def new_figure(panels: int, heights: list[float] | None = None) -> tuple[Figure,
     ratios = heights or [1.0] * panels
     figure = Figure(figsize=(8.0, 1.2 + 1.7 * sum(ratios)), dpi=130, layout="constrained")
     FigureCanvasAgg(figure)
-    axes = figure.subplots(panels, 1, sharex=True, squeeze=False, height_ratios=ratios)[:, 0]
+    axes = figure.subplots(panels, 1, sharex=share_time, squeeze=False, height_ratios=ratios)[:, 0]
     return figure, list(axes)
 
 

@@ -23,6 +23,7 @@ from hysdel_py.systems.affine import Affine
 from hysdel_py.systems.formula import Formula, Literal
 from hysdel_py.systems.origin import Origin
 from hysdel_py.systems.signals import Variable, as_vector, range_violations
+from hysdel_py.systems.summary import counted, one_line
 from hysdel_py.tolerances import DEFAULT_TOLERANCES, Tolerances
 
 if TYPE_CHECKING:
@@ -115,7 +116,7 @@ Definition = Event | Switch | AffineEquation | LogicEquation
 DhaItem = Definition | AffineRequirement | LogicRequirement
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class Dha:
     """A discrete hybrid automaton.
 
@@ -143,6 +144,9 @@ class Dha:
     source: str = ""
     tolerances: Tolerances = field(default=DEFAULT_TOLERANCES)
     default_bound: float = inf
+
+    def __repr__(self) -> str:
+        return one_line(self, counted(len(self.items), "item"))
 
     @cached_property
     def definitions(self) -> Mapping[str, Definition]:

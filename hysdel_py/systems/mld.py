@@ -23,6 +23,7 @@ from numpy.typing import ArrayLike, NDArray
 from hysdel_py.errors import SimulationError
 from hysdel_py.systems.origin import RowOrigin
 from hysdel_py.systems.signals import Variable, as_vector, range_violations
+from hysdel_py.systems.summary import counted, one_line
 from hysdel_py.tolerances import DEFAULT_TOLERANCES, Tolerances
 
 if TYPE_CHECKING:
@@ -36,7 +37,7 @@ __all__ = ["Mld"]
 Matrix = NDArray[np.float64]
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class Mld:
     """A mixed logical dynamical system; every array is read-only.
 
@@ -81,6 +82,9 @@ class Mld:
     outputs: tuple[RowOrigin, ...]
     source: str = ""
     tolerances: Tolerances = field(default=DEFAULT_TOLERANCES)
+
+    def __repr__(self) -> str:
+        return one_line(self, f"{self.nd} d", f"{self.nz} z", counted(len(self.E5), "row"))
 
     @property
     def nx(self) -> int:

@@ -96,7 +96,7 @@ class Auxiliaries:
         return self.d, self.Z @ w + self.z0
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class Mode:
     """``x+ = A x + B u + f`` and ``y = C x + D u + g`` on a polyhedron in (x, u); Booleans are 0 or 1.
 
@@ -129,6 +129,9 @@ class Mode:
     word: Word
     is_flat: bool
     names: tuple[str, ...]
+
+    def __repr__(self) -> str:
+        return f"<Mode {self.index}: {self.bits or 'no Booleans'}, {self.region.m} rows>"
 
     def __post_init__(self) -> None:
         for array in (self.A, self.B, self.f, self.C, self.D, self.g):

@@ -14,6 +14,7 @@ from hysdel_py.errors import SimulationError
 from hysdel_py.geometry.search_tree import Place, SearchTree
 from hysdel_py.systems.mode import Auxiliaries, Condition, Mode, RowKind
 from hysdel_py.systems.signals import Variable, as_vector, range_violations
+from hysdel_py.systems.summary import counted, one_line
 from hysdel_py.tolerances import DEFAULT_TOLERANCES, Tolerances
 
 if TYPE_CHECKING:
@@ -43,7 +44,7 @@ class Effort:
     cells: int = 0
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class Pwa:
     """A piecewise affine system ``x+ = A x + B u + f, y = C x + D u + g`` for (x, u) in the region of a mode.
 
@@ -86,6 +87,9 @@ class Pwa:
     is_complete: bool = True
     effort: Effort = Effort()
     tolerances: Tolerances = field(default=DEFAULT_TOLERANCES)
+
+    def __repr__(self) -> str:
+        return one_line(self, counted(len(self.modes), "mode"))
 
     def step(
         self, x: ArrayLike | Mapping[str, float], u: ArrayLike | Mapping[str, float] = (), *, check: bool = True

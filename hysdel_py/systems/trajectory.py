@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from hysdel_py.errors import ArgumentError
 from hysdel_py.systems.signals import Variable
+from hysdel_py.systems.summary import counted
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -21,7 +22,7 @@ __all__ = ["Trajectory"]
 Matrix = NDArray[np.float64]
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class Trajectory:
     """N steps of a system: N+1 states and N inputs, outputs and auxiliaries.
 
@@ -50,6 +51,10 @@ class Trajectory:
     variables: Mapping[str, tuple[Variable, ...]]
     messages: tuple[str, ...] = ()
     info: Mapping[str, Matrix] = field(default_factory=dict)
+
+    def __repr__(self) -> str:
+        signals = "; ".join(", ".join(self.names[key]) for key in ("x", "u", "y") if self.names.get(key))
+        return f"<Trajectory of {counted(self.steps, 'step')} to t={self.t[-1]:g}: {signals}>"
 
     @property
     def steps(self) -> int:

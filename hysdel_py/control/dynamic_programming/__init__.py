@@ -1,0 +1,1 @@
+"""Dynamic programming: numerical on grids, analytical for linear systems with quadratic cost."""
