@@ -12,7 +12,7 @@ import argparse
 import json
 import sys
 from collections.abc import Mapping
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -20,6 +20,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 import hysdel_py as hys
+from hysdel_py.control.settings import DEFAULT_CONTROL_TOLERANCES
 
 Vector = NDArray[np.float64]
 
@@ -30,8 +31,6 @@ STALL = 80.0
 SLIPS = (30.0, 60.0, 90.0)
 TORQUES = (0.0, 20.0, 60.0)
 ENGINE_SPEED = 100.0
-ROUNDING = 1e-4
-"""What a plan that rides on the limit may miss it by in the next step [rad/s]."""
 STEPS = 100
 SECONDS = 0.2
 """Time limit of an answer, beside the limit of nodes."""
@@ -45,28 +44,28 @@ SHOWN = (60.0, 20.0)
 class Remedy:
     """One controller: what it is called, its horizon, and what it adds to the document's limits.
 
-    `allowance` widens the limit of the next engine speed, which the measured state alone settles [rad/s].
+    `settled` is the allowance for limits that no input can move, as :class:`ControlTolerances` has it.
     """
 
     name: str
     horizon: int
     limits: Mapping[str, Any]
-    allowance: float = 0.0
+    settled: float = DEFAULT_CONTROL_TOLERANCES.settled
 
 
 def remedies() -> tuple[Remedy, ...]:
-    """The document's controller and four changes of it.
+    """The document's controller without and with an allowance for rounding, and three changes of it.
 
     The terminal set asks that at the end of the plan the engine gives at least what the slipping clutch takes,
     ``Te >= mu Fn``: from there on the engine speed does not fall while both are held.
     """
     holding = ([[0.0, 0.0, -1.0, 1.0, 0.0]], [0.0])
     return (
+        Remedy("no allowance", 10, {}, 0.0),
         Remedy("hard, horizon 10", 10, {}),
-        Remedy("rounding allowed", 10, {}, ROUNDING),
-        Remedy("the same, 15", 15, {}, ROUNDING),
+        Remedy("hard, horizon 15", 15, {}),
         Remedy("softened", 10, {"soft": ("y1",), "rho": 1e5}),
-        Remedy("terminal set", 10, {"terminal": holding}, ROUNDING),
+        Remedy("terminal set", 10, {"terminal": holding}),
     )
 
 
@@ -75,7 +74,7 @@ def controller(model: hys.Model, remedy: Remedy, node_limit: int) -> hys.HybridM
     limits = hys.Limits(
         x={"Te": (0.0, 0.99 * 150), "Fn": (0.0, 0.99 * 180)},
         y={
-            "y1": ([LIMIT - remedy.allowance] * 2 + [LIMIT] * (remedy.horizon - 2), 0.99 * 200),
+            "y1": (LIMIT, 0.99 * 200),
             "y2": (0.0, 0.99 * 200),
             "y3": (-11.0, 11.0),
         },
@@ -84,8 +83,9 @@ def controller(model: hys.Model, remedy: Remedy, node_limit: int) -> hys.HybridM
     )
     cost = hys.Cost(y=WEIGHTS)
     return hys.HybridMpc(
-        model, remedy.horizon, cost, limits, references=tuple(WEIGHTS), node_limit=node_limit, time_limit=SECONDS
-    )
+        model, remedy.horizon, cost, limits, references=tuple(WEIGHTS), node_limit=node_limit, time_limit=SECONDS,
+        tolerances=replace(DEFAULT_CONTROL_TOLERANCES, settled=remedy.settled),
+    )  # fmt: skip
 
 
 @dataclass(frozen=True, slots=True)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from math import inf
+from math import inf, isfinite
 from typing import TypeAlias
 
 import numpy as np
@@ -20,6 +20,8 @@ End: TypeAlias = ArrayLike | None
 Bounds: TypeAlias = Mapping[str, tuple[End, End]]
 POLYTOPE = "terminal"
 """Name of the slack of a terminal polytope."""
+SIGNAL_OF = {"x": "x", "terminal": "x", "y": "y"}
+"""Group of the signal that a group of limits limits, where a measured state can settle it."""
 NEVER_SOFT = ("u", "du")
 """Groups whose limits an actuator sets; they are never softened."""
 
@@ -85,12 +87,30 @@ class ResolvedLimits:
     slacks : tuple of str
         Name of each slack variable.
     rho : array, one price per slack
+    settled : set of (group, column, time)
+        Signals that no input of a plan can move at a time.
+    allowance : float
+        By how much a hard limit of these is wider, relative to the size of its ends and at least absolute.
     """
 
     bands: tuple[Band, ...]
     polytope: Polytope | None
     slacks: tuple[str, ...]
     rho: Matrix
+    settled: frozenset[tuple[str, int, int]] = frozenset()
+    allowance: float = 0.0
+
+    def is_settled(self, band: Band, time: int) -> bool:
+        """Whether a limit is hard and no input of a plan can move its signal at a time."""
+        return (SIGNAL_OF.get(band.group), band.column, time) in self.settled and self.slack_of(band) is None
+
+    def ends(self, band: Band, time: int) -> tuple[float, float]:
+        """Ends of a limit at a time, with the allowance where no input can move the signal."""
+        low, high = band.at(time)
+        if not self.is_settled(band, time):
+            return low, high
+        room = self.allowance * max(1.0, *(abs(end) for end in (low, high) if isfinite(end)), 1.0)
+        return low - room, high + room
 
     def slack_of(self, band: Band) -> int | None:
         """Index of the slack that softens a limit, None for a hard one."""

@@ -28,7 +28,7 @@ def variable_bounds(layout: Layout, limits: ResolvedLimits) -> tuple[Matrix, Mat
     for band in limits.bands:
         if band.group in _TIMES and limits.slack_of(band) is None:
             for time, where in _places(layout, band):
-                least, most = band.at(time)
+                least, most = limits.ends(band, time)
                 lb[where], ub[where] = max(lb[where], least), min(ub[where], most)
     return lb, ub
 

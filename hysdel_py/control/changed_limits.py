@@ -47,7 +47,9 @@ def for_call(formulation: Formulation, own: Limits, call: Limits | None, *, soft
         raise ArgumentError(f"limits is a {type(call).__name__}: a Limits was expected")
     now = merged(own, call)
     layout = formulation.layout
-    return with_limits(formulation, (replace(now, soft=True) if soft else now).resolve(layout.mld, layout.horizon))
+    resolved = (replace(now, soft=True) if soft else now).resolve(layout.mld, layout.horizon)
+    before = formulation.limits
+    return with_limits(formulation, replace(resolved, settled=before.settled, allowance=before.allowance))
 
 
 def merged(own: Limits, call: Limits) -> Limits:
@@ -104,7 +106,7 @@ def with_limits(formulation: Formulation, limits: ResolvedLimits) -> Formulation
     for i, row in enumerate(rows):
         if row.band is not None:
             band = bands[row.band]
-            least, most = band.at(row.stage)
+            least, most = limits.ends(band, row.stage)
             hard = limits.slack_of(band) is None
             low[i] = least if hard or isfinite(low[i]) else -np.inf
             high[i] = most if hard or isfinite(high[i]) else np.inf

@@ -17,6 +17,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from hysdel_py.control import construction
 from hysdel_py.control import fallback as fallbacks
+from hysdel_py.control.bands import ResolvedLimits
 from hysdel_py.control.changed_limits import for_call
 from hysdel_py.control.costs import Cost
 from hysdel_py.control.fallback import Fallback, Reserve, check_fallback
@@ -27,6 +28,7 @@ from hysdel_py.control.planner import Planner
 from hysdel_py.control.prediction import choose_step
 from hysdel_py.control.references import Reference, choose_references
 from hysdel_py.control.settings import DEFAULT_CONTROL_TOLERANCES, ControlTolerances
+from hysdel_py.control.settled import allowing_for_rounding
 from hysdel_py.control.shape import choose_shape
 from hysdel_py.errors import ArgumentError
 from hysdel_py.systems.signals import as_vector
@@ -130,7 +132,7 @@ class HybridMpc:
         shape = choose_shape(self.horizon, blocking, control_horizon, binary_horizon)
         construction.checked(tolerances, ControlTolerances, "tolerances")
         weights = construction.checked(cost, Cost, "cost").resolve(self.mld, tolerances)
-        bands = limits.resolve(self.mld, self.horizon)
+        bands = self._resolved(limits, tolerances)
         self.references = choose_references(references, weights.names, self.horizon)
         self.formulation: Formulation = formulate(self.mld, self.horizon, weights, bands, shape)
         self.tolerances = tolerances
@@ -148,8 +150,12 @@ class HybridMpc:
         self._reserve: Reserve | None = None
         self._softened: Planner | None = None
         if fallback == "soft":
-            softened = replace(limits, soft=True).resolve(self.mld, self.horizon)
+            softened = self._resolved(replace(limits, soft=True), tolerances)
             self._softened = planner(formulate(self.mld, self.horizon, weights, softened, shape))
+
+    def _resolved(self, limits: Limits, tolerances: ControlTolerances) -> ResolvedLimits:
+        resolved = limits.resolve(self.mld, self.horizon)
+        return allowing_for_rounding(resolved, self.mld, self.horizon, tolerances.settled)
 
     @property
     def uses_last_input(self) -> bool:

@@ -128,8 +128,10 @@ class Layout:
         """Sort the decision variables back into signals."""
         m, N = self.mld, self.horizon
         stages = v[: N * self.stage_size].reshape(N, self.stage_size)
-        u, d, z, x = np.split(stages, np.cumsum([m.nu, m.nd, m.nz]), axis=1)
-        return Plan(np.vstack([x0, x]), u.copy(), d.copy(), z.copy(), self._slack_part(v))
+        d, z, after = m.nu, m.nu + m.nd, m.nu + m.nd + m.nz
+        x = np.empty((N + 1, m.nx))
+        x[0], x[1:] = x0, stages[:, after:]
+        return Plan(x, stages[:, :d].copy(), stages[:, d:z].copy(), stages[:, z:after].copy(), self._slack_part(v))
 
     def join(self, plan: Plan) -> Matrix:
         """Inverse of :meth:`split`, with zeros for the terms."""

@@ -64,10 +64,12 @@ def judged(
     *,
     sample_time: float = 1.0,
     remark: Callable[[Plan], str] | None = None,
+    missed: Callable[[], list[str]] = list,
 ) -> tuple[Move, Plan | None]:
     """Check the answer of the branch and bound and put it into words.
 
-    The trajectory and the words are worked out when they are asked for; `remark` adds to the words.
+    The trajectory and the words are worked out when they are asked for; `remark` adds to the words, `missed`
+    names the limits that the measured state breaks whatever the inputs are.
 
     Returns
     -------
@@ -79,7 +81,7 @@ def judged(
     if result.x is None:
         status = _status_without_plan(result.status.name)
         bound = np.inf if status is MoveStatus.INFEASIBLE else result.bound
-        advice = _advice(status, formulation.limits, result)
+        advice = _advice(status, formulation.limits, result, missed)
         return Move(
             status, advice, bound=bound, nodes=result.nodes, qps=result.qps, case=Case(vectors, None, formulation)
         ), None
@@ -181,10 +183,11 @@ _TROUBLE = 'try the other solver (backend="osqp" or "piqp"), and check that rang
 _WHICH = "hys.explain_infeasible(controller, x) finds which of them contradict each other, and when"
 
 
-def _advice(status: MoveStatus, limits: ResolvedLimits, result: MiqpResult) -> str:
+def _advice(status: MoveStatus, limits: ResolvedLimits, result: MiqpResult, missed: Callable[[], list[str]]) -> str:
     match status:
         case MoveStatus.INFEASIBLE:
-            return f"infeasible: no plan keeps the model and the limits; {_why_infeasible(limits)}; {_WHICH}"
+            reason = "; ".join(missed()) or _why_infeasible(limits)
+            return f"infeasible: no plan keeps the model and the limits; {reason}; {_WHICH}"
         case MoveStatus.NO_PLAN:
             return "no plan found: the search ended too early; allow more time or nodes, or shorten the horizon"
         case MoveStatus.UNBOUNDED:

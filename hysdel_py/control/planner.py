@@ -14,6 +14,7 @@ from hysdel_py.control.layout import Plan
 from hysdel_py.control.move import Move
 from hysdel_py.control.prediction import Step, shifted, shifted_sides, shifted_variables, simulated_binaries
 from hysdel_py.control.settings import ControlTolerances
+from hysdel_py.control.settled import missed_limits
 
 if TYPE_CHECKING:
     from hysdel_py.optimize.miqp import Miqp, MiqpResult, MiqpSettings
@@ -85,6 +86,7 @@ class Planner:
         move, plan = outcome.judged(
             f, vectors, x0, result, self.tolerances, sample_time=sample_time,
             remark=lambda plan: self._remark_on_thresholds(plan, x0),
+            missed=lambda: missed_limits(f, self._step, x0),
         )  # fmt: skip
         self._plan = plan
         self._last = None if plan is None else result

@@ -74,7 +74,7 @@ def row_blocks(layout: Layout, limits: ResolvedLimits, shape: Shape, unmovable: 
             yield from _stage_rows(layout, band, limits, unmovable, k)
     for band in limits.bands:
         if band.group == "final" or (band.group == "terminal" and limits.slack_of(band) is not None):
-            yield from _band_rows(layout, band, limits.slack_of(band), layout.horizon)
+            yield from _band_rows(layout, band, limits, layout.horizon)
     yield from _polytope_rows(layout, limits)
 
 
@@ -82,11 +82,10 @@ def _stage_rows(
     layout: Layout, band: Band, limits: ResolvedLimits, unmovable: tuple[Band, ...], k: int
 ) -> Iterator[Block]:
     """Rows of one limit that belong to a stage; what is a bound of a variable has none."""
-    slack = limits.slack_of(band)
     if band.group == "du" or (band.group == "y" and not (k == 0 and band in unmovable)):
-        yield from _band_rows(layout, band, slack, k)
-    elif band.group == "x" and slack is not None:
-        yield from _band_rows(layout, band, slack, k + 1)
+        yield from _band_rows(layout, band, limits, k)
+    elif band.group == "x" and limits.slack_of(band) is not None:
+        yield from _band_rows(layout, band, limits, k + 1)
 
 
 def _held(layout: Layout, k: int) -> Block:
@@ -124,9 +123,9 @@ def _row(kind: str, stage: int, text: str, origin: RowOrigin | None) -> Row:
     return Row(kind, stage, f"{text}: {origin.text}{where}", origin)
 
 
-def _band_rows(layout: Layout, band: Band, slack: int | None, time: int) -> Iterator[Block]:
-    value = _limited(layout, band, time)
-    low, high = band.at(time)
+def _band_rows(layout: Layout, band: Band, limits: ResolvedLimits, time: int) -> Iterator[Block]:
+    value, slack = _limited(layout, band, time), limits.slack_of(band)
+    low, high = limits.ends(band, time)
     row = Row.of_band(band, time)
     if slack is None:
         if low > -inf or high < inf:

@@ -39,7 +39,7 @@ class DenseSettings:
     iterations : int
         Largest number of changes of the active set in one node.
     proximity : float
-        Weight of the proximal term, relative to the greatest curvature; it makes a singular Hessian definite.
+        Weight of the proximal term, relative to the typical curvature; it makes a singular Hessian definite.
     rounds : int
         Largest number of proximal steps.
     largest : int

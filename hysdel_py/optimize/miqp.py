@@ -136,7 +136,10 @@ class MiqpSolver:
 
     def _problem(self, qp: Qp) -> Qp:
         """Cut the bounds of the binaries to [0, 1]."""
-        lb, ub, at = qp.lb.copy(), qp.ub.copy(), self.miqp.binaries
+        at = self.miqp.binaries
+        if (qp.lb[at] >= 0.0).all() and (qp.ub[at] <= 1.0).all():
+            return qp
+        lb, ub = qp.lb.copy(), qp.ub.copy()
         lb[at], ub[at] = np.maximum(lb[at], 0.0), np.minimum(ub[at], 1.0)
         return qp.with_vectors(lb=lb, ub=ub)
 

@@ -333,5 +333,5 @@ class Search:
         if self.x is None:
             return inf
         rows, x, qp = self.qp.A @ self.x, self.x, self.qp
-        excess = np.concatenate([qp.l - rows, rows - qp.u, qp.lb - x, x - qp.ub, [0.0]])
-        return float(excess.max())
+        at_rows, at_bounds = np.maximum(qp.l - rows, rows - qp.u), np.maximum(qp.lb - x, x - qp.ub)
+        return float(max(at_rows.max(initial=0.0), at_bounds.max(initial=0.0)))

@@ -44,7 +44,8 @@ _PRICE = 1e4
 
 @cache
 def _model(name: str, parameters: tuple[tuple[str, float], ...]) -> Model:
-    return load(name, **dict(parameters))
+    values: dict[str, Any] = dict(parameters)
+    return load(name, **values)
 
 
 def part_model(shift: Shift, part: int, data: Transmission) -> Model:
@@ -71,7 +72,7 @@ def shift_limits(shift: Shift, part: int, data: Transmission) -> Limits:
         y={"torque": (0.0, 2000.0), "wf": own.wf, "rel": own.rel},
         u=_FASTEST,
         soft=("wf",) if shift.guard else (),
-        **({"rho": _PRICE} if shift.guard else {}),
+        rho=_PRICE,
     )  # fmt: skip
 
 

@@ -163,7 +163,8 @@ class _Drive:
         return self._finished()
 
     def _pedal_at(self, t: Any) -> Any:
-        return np.interp(t, *zip(*self._pedal, strict=True))
+        times, values = np.array(self._pedal).T
+        return np.interp(t, times, values)
 
     def _asked(self, x: Vector) -> Decision:
         torque = float(drive_torque(self._data, x[None, :])[0])
@@ -200,7 +201,7 @@ class _Drive:
         x1 = plant.step(x, np.array([rate, -400.0, np.clip((force - x[2]) / SAMPLE_TIME, -495.0, 792.0)]))
         rows = plant.fine.pop()
         times = self._t + SAMPLE_TIME / STEPS_PER_SAMPLE * np.arange(1, len(rows) + 1)
-        self._pieces.append((times, rows, self._gear, torque))
+        self._pieces.append((np.asarray(times, dtype=float), rows, self._gear, torque))
         self._t += SAMPLE_TIME
         return x1
 

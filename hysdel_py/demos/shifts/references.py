@@ -61,8 +61,7 @@ def wheel_reference(shift: Shift, data: Transmission, secondary: float, force: f
 
 def ahead(k: int) -> Vector:
     """Times that a plan made at step k looks at [s]."""
-    value: Vector = SAMPLE_TIME * (k + np.arange(HORIZON + 1))
-    return value
+    return np.asarray(SAMPLE_TIME * (k + np.arange(HORIZON + 1)), dtype=float)
 
 
 def landing(relative: float) -> Vector:

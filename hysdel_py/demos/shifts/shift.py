@@ -76,7 +76,7 @@ class ShiftRun:
     @property
     def t(self) -> Vector:
         """Times of the fine steps [s]."""
-        return SAMPLE_TIME / STEPS_PER_SAMPLE * np.arange(1, len(self.fine) + 1)
+        return np.asarray(SAMPLE_TIME / STEPS_PER_SAMPLE * np.arange(1, len(self.fine) + 1), dtype=float)
 
     @property
     def torque(self) -> Vector:

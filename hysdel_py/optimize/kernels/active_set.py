@@ -25,6 +25,8 @@ SOLVED, EMPTY, BEATEN, LIMIT = 0, 1, 2, 3
 
 DEPENDENT = 1e-10
 """A normal whose part outside the active ones is shorter than this, relative to its own length, depends on them."""
+SLIGHT = 1e-8
+"""A dependent row that is missed by no more than this, relative to its side, is missed by rounding."""
 
 
 @compiled
@@ -103,6 +105,8 @@ def solve(N, b, f, work, cutoff, settings):
                 full = (b[row] - dot(N[row], v)) / curvature
             step = min(partial, full)
             if step == np.inf:
+                if b[row] - dot(N[row], v) <= SLIGHT * (1.0 + abs(b[row])):
+                    return SOLVED, iterations, -1
                 for i in range(work[4][0]):
                     multipliers[i] = -r[i]
                 return EMPTY, iterations, row

@@ -18,9 +18,11 @@ SOLVED, EMPTY, BEATEN, LIMIT = active_set.SOLVED, active_set.EMPTY, active_set.B
 TOO_LARGE = 4
 """Status of a node with more free variables than wanted."""
 ASTRAY = 1e-6
-"""The proximal steps have not settled while their pull exceeds this, relative to the greatest curvature."""
+"""The proximal steps have not settled while their pull exceeds this, relative to the typical curvature."""
 LEAST_SCALE = 1e-6
-"""The greatest curvature counts as at least this."""
+"""The typical curvature counts as at least this."""
+FLAT = 1e-6
+"""A variable with less curvature than this, relative to the greatest, has none."""
 
 
 @compiled
@@ -38,7 +40,7 @@ def solve_node(problem, groups, box, wide, guess, cutoff, settings):
         The solution may stop once a bound reaches `value`, which :func:`bound_below` has to confirm with the rest;
         infinite for a solution.
     settings : (tolerance, iterations, proximity, rounds, largest)
-        `proximity` is the weight of the proximal term relative to the greatest diagonal entry of the Hessian.
+        `proximity` is the weight of the proximal term relative to the typical diagonal entry of the Hessian.
 
     Returns
     -------
@@ -52,9 +54,7 @@ def solve_node(problem, groups, box, wide, guess, cutoff, settings):
     m = len(problem[3])
     if k > settings[4]:
         return TOO_LARGE, 0, z0, np.zeros(m), np.zeros((0, 2), dtype=np.int64)
-    scale = LEAST_SCALE
-    for i in range(k):
-        scale = max(scale, H[i, i])
+    scale = typical_curvature(H)
     rho = settings[2] * scale
     for i in range(k):
         H[i, i] += rho
@@ -75,6 +75,24 @@ def solve_node(problem, groups, box, wide, guess, cutoff, settings):
     status, count, row = approach(N, b, f, work, centre, (rho, scale), settings)
     w, y = lifted(problem, groups, condensed, work, status, row)
     return status, iterations + count, w, y, source[work[2][: work[4][0]]]
+
+
+@leaf
+def typical_curvature(H):
+    """Geometric mean of the diagonal entries that are not negligible.
+
+    The greatest one would not do: beside the price of a slack all other curvature is small, and a proximal term of its
+    size lets the steps crawl.
+    """
+    greatest = 0.0
+    for i in range(len(H)):
+        greatest = max(greatest, H[i, i])
+    total, count = 0.0, 0
+    for i in range(len(H)):
+        if H[i, i] > FLAT * greatest:
+            total += np.log(H[i, i])
+            count += 1
+    return max(np.exp(total / count), LEAST_SCALE) if count else LEAST_SCALE
 
 
 @compiled
