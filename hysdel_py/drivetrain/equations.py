@@ -180,6 +180,13 @@ class Equations:
         used: NDArray[np.bool_] = np.any(self.gains.shaft != 0, axis=0)
         return used
 
+    @property
+    def has_function_pressure(self) -> NDArray[np.bool_]:
+        """Contacts whose normal force is a function of time."""
+        functions = np.array([isinstance(signal, Function) for signal in self.signals], dtype=bool)
+        found: NDArray[np.bool_] = np.any(self.gains.pressure[:, functions] != 0, axis=1)
+        return found
+
     def shaft_speeds(self, t: Matrix, u: Matrix) -> Matrix:
         """Speeds of all shafts, one row per time."""
         speeds: Matrix = u @ self.T.T + sample(self.signals, t) @ self.gains.shaft.T

@@ -24,6 +24,8 @@ class Smoothing:
         With fixed steps: ``"euler"``, ``"rk3"`` or ``"rk4"``.
     rtol, atol : float
         Of variable steps.
+    max_step : float
+        Longest variable step [s] where an input is a function of time, whose changes no step may jump over.
     """
 
     steepness: float = 1e3
@@ -31,9 +33,10 @@ class Smoothing:
     integrator: str = "rk4"
     rtol: float = 1e-7
     atol: float = 1e-9
+    max_step: float = 0.02
 
     def __post_init__(self) -> None:
-        check_options(self, steepness=0.0, dt=0.0, integrator=INTEGRATORS, rtol=0.0, atol=0.0)
+        check_options(self, steepness=0.0, dt=0.0, integrator=INTEGRATORS, rtol=0.0, atol=0.0, max_step=0.0)
 
 
 @dataclass(frozen=True, slots=True)
