@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from numbers import Real
 
 from hysdel_py.drivetrain.schemes.option_checks import DECOMPOSITIONS, INTEGRATORS, LCP_SOLVERS, check_options
 from hysdel_py.errors import ArgumentError
@@ -82,7 +83,7 @@ class SwitchModel:
 
     def __post_init__(self) -> None:
         check_options(self, dt=0.0, band=0.0, integrator=INTEGRATORS)
-        if self.tau is not None and not self.tau > 0:
+        if self.tau is not None and not (isinstance(self.tau, Real) and self.tau > 0):
             raise ArgumentError(f"SwitchModel: tau is {self.tau!r}, a number above zero was expected")
 
 

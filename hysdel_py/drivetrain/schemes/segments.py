@@ -30,9 +30,9 @@ class Segment:
     values, slopes : arrays of shape (ns,)
         Of the piecewise linear signals at the start, seen from inside; zero for functions.
     base, rate : Inputs
-        What these contribute at the start, and its derivative; a pressure below zero is kept, so that it rises from there.
+        What these contribute at the start, and its derivative; a pressure below zero is kept and rises from there.
     open : bool array of shape (nc,)
-        Contacts without pressure in this interval; never those whose pressure is a function, which may come at any time.
+        Contacts without pressure in this interval; a pressure that is a function may come at any time.
     equations : Equations
     """
 
