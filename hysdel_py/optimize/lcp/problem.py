@@ -15,6 +15,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from enum import Enum
 from functools import cached_property
+from numbers import Real
 from typing import Any
 
 import numpy as np
@@ -22,6 +23,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from hysdel_py.errors import ArgumentError
 from hysdel_py.optimize.kernels.lcp import equilibrate
+from hysdel_py.optimize.lcp.arguments import bound_of, matrix_of, vector_of
 
 __all__ = ["Lcp", "LcpResult", "LcpSettings", "LcpStatus", "residual", "states_of"]
 
@@ -83,8 +85,8 @@ class LcpSettings:
     def __post_init__(self) -> None:
         for name in self.__slots__:
             value = getattr(self, name)
-            if value is not None and not value > 0:
-                raise ArgumentError(f"{name} is {value}: a positive number was expected")
+            if value is not None and not (isinstance(value, Real) and value > 0):
+                raise ArgumentError(f"{name} is {value!r}: a positive number was expected")
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -143,10 +145,10 @@ class Lcp:
     hi: Vector
 
     def __post_init__(self) -> None:
-        q = _vector(self.q, "q")
+        q = vector_of(self.q, "q")
         n = len(q)
-        M = _matrix(self.M, n)
-        bounds = {name: _bound(getattr(self, name), n, name) for name in ("lo", "hi")}
+        M = matrix_of(self.M, n)
+        bounds = {name: bound_of(getattr(self, name), n, name) for name in ("lo", "hi")}
         for name, value in ({"M": M, "q": q} | bounds).items():
             object.__setattr__(self, name, value)
         _require_order(self.lo, self.hi)
@@ -168,11 +170,11 @@ class Lcp:
 
     def with_vectors(self, q: ArrayLike, lo: ArrayLike | None = None, hi: ArrayLike | None = None) -> Lcp:
         """The problem with other vectors; the matrix, its scale and the solvers' data for it are shared."""
-        q = _vector(q, "q")
+        q = vector_of(q, "q")
         if len(q) != self.n:
             raise ArgumentError(f"q has {len(q)} entries: {self.n} were expected, as M has {self.n} rows")
-        low = self.lo if lo is None else _bound(lo, self.n, "lo")
-        high = self.hi if hi is None else _bound(hi, self.n, "hi")
+        low = self.lo if lo is None else bound_of(lo, self.n, "lo")
+        high = self.hi if hi is None else bound_of(hi, self.n, "hi")
         _require_order(low, high)
         return _assembled(self.M, q, low, high, d=self.d, scaled_matrix=self.scaled_matrix)
 
@@ -254,42 +256,3 @@ def _equilibration(M: Any) -> Vector:
         np.maximum.at(largest, M.indices, size)
         d /= np.sqrt(np.where(largest > 0, largest, 1.0))
     return d
-
-
-def _vector(value: ArrayLike, name: str) -> Vector:
-    vector = np.array(value, dtype=float)
-    if vector.ndim != 1:
-        raise ArgumentError(f"{name} has shape {vector.shape}: one dimension was expected")
-    if not np.isfinite(vector).all():
-        raise ArgumentError(f"{name}[{int(np.argmin(np.isfinite(vector)))}] is not a finite number")
-    return vector
-
-
-def _bound(value: ArrayLike, n: int, name: str) -> Vector:
-    given = np.asarray(value, dtype=float)
-    if given.shape not in ((), (n,)):
-        raise ArgumentError(
-            f"{name} has shape {given.shape}: a number or shape {(n,)} was expected, as q has {n} entries"
-        )
-    if np.isnan(given).any():
-        raise ArgumentError(f"{name} has an entry that is not a number")
-    wrong = np.inf if name == "lo" else -np.inf
-    if (given == wrong).any():
-        raise ArgumentError(f"{name} has the entry {wrong}: no number keeps this bound")
-    return np.array(np.broadcast_to(given, (n,)))
-
-
-def _matrix(value: Any, n: int) -> Any:
-    if hasattr(value, "tocsr"):
-        from scipy.sparse import csr_array
-
-        M: Any = csr_array(value, dtype=float)
-        entries = M.data
-    else:
-        M = np.array(value, dtype=float)
-        entries = M
-    if M.shape != (n, n):
-        raise ArgumentError(f"M has shape {M.shape}: {(n, n)} was expected, as q has {n} entries")
-    if not np.isfinite(entries).all():
-        raise ArgumentError("M has an entry that is not a finite number")
-    return M

@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from hysdel_py.errors import ArgumentError
+from hysdel_py.optimize.lcp.arguments import numbers_of
 from hysdel_py.optimize.lcp.enumerative import enumerate_modes, mode_count
 from hysdel_py.optimize.lcp.gauss_seidel import sweep
 from hysdel_py.optimize.lcp.lemke import follow_path
@@ -100,7 +101,7 @@ def solve_boxed_lcp(
     ArgumentError
         As for :func:`solve_lcp`, or bounds that cross.
     """
-    problem = Lcp(M, np.asarray(q, dtype=float), np.asarray(lo, dtype=float), np.asarray(hi, dtype=float))
+    problem = Lcp(M, q, lo, hi)  # type: ignore[arg-type]  # it makes arrays of them
     return solve_problem(problem, method, warm, settings=settings)
 
 
@@ -188,7 +189,7 @@ _WORDS = {
 def _guess(problem: Lcp, warm: LcpResult | ArrayLike | None) -> Vector | None:
     if warm is None:
         return None
-    z = np.array(warm.z if isinstance(warm, LcpResult) else warm, dtype=float)
+    z = numbers_of(warm.z if isinstance(warm, LcpResult) else warm, "warm")
     if z.shape != (problem.n,):
         raise ArgumentError(f"warm has shape {z.shape}: {(problem.n,)} was expected, as q has {problem.n} entries")
     return z if np.isfinite(z).all() else None

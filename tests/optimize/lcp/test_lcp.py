@@ -291,11 +291,20 @@ def test_the_residual_tells_solutions_apart():
         (([[1.0]], [np.inf]), r"q\[0\]"),
         (([[1.0]], [1.0], "simplex"), "method is 'simplex'"),
         (([[1.0]], [1.0], "newton", [1.0, 2.0]), "warm has shape"),
+        (([["x"]], [1.0]), "M is .*: real numbers"),
+        (([[1.0]], "x"), "q is 'x': real numbers"),
+        (([[1j]], [1.0]), "M is .*: real numbers"),
+        (([[1.0]], [1.0], "newton", "x"), "warm is 'x'"),
     ],
 )
 def test_wrong_arguments(arguments, message):
     with pytest.raises(ArgumentError, match=message):
         solve_lcp(*arguments)
+
+
+def test_wrong_settings():
+    with pytest.raises(ArgumentError, match="tolerance is 'x'"):
+        LcpSettings(tolerance="x")
 
 
 def test_wrong_bounds():
