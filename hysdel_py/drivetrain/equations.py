@@ -229,11 +229,12 @@ def equations_from_matrices(
     W = _matrix(W, "W", (n, None))
     D = np.zeros((n, n)) if D is None else _matrix(D, "D", (n, n))
     B = np.zeros((n, 0)) if B is None else _matrix(B, "B", (n, None))
-    stiffness = np.zeros(0) if k is None else _matrix([k], "k", (1, None))[0]
-    if stiffness.shape != (B.shape[1],) or not np.all(stiffness >= 0):
+    stiffness = np.zeros(0) if k is None else _numbers(k, "k")
+    if stiffness.shape != (B.shape[1],) or not np.all((stiffness >= 0) & np.isfinite(stiffness)):
         raise ArgumentError(f"k has shape {stiffness.shape}: {B.shape[1]} numbers of zero or more were expected")
     count = W.shape[1]
-    laws = tuple(as_law(law, f"friction {i}") for i, law in enumerate(friction or [Coulomb()] * count))
+    given_laws = [Coulomb()] * count if friction is None else np.atleast_1d(np.array(friction, dtype=object))
+    laws = tuple(as_law(law, f"friction {i}") for i, law in enumerate(given_laws))
     forces = [0.0] * n if force is None else list(force)
     for given, size, what in ((capacity, count, "capacity"), (forces, n, "force"), (laws, count, "friction")):
         if not isinstance(given, Sequence | np.ndarray) or len(given) != size:
@@ -262,10 +263,7 @@ def equations_from_matrices(
 
 
 def _matrix(given: ArrayLike, what: str, shape: tuple[int, int | None] | None = None) -> Matrix:
-    try:
-        matrix = np.array(given, dtype=float, ndmin=1)
-    except (TypeError, ValueError):
-        raise ArgumentError(f"{what} is {given!r}: a matrix of numbers was expected") from None
+    matrix = _numbers(given, what)
     rows, columns = shape or (len(matrix), len(matrix))
     if matrix.ndim != 2 or matrix.shape[0] != rows or (columns is not None and matrix.shape[1] != columns):
         wanted = f"({rows}, {'any' if columns is None else columns})"
@@ -273,6 +271,13 @@ def _matrix(given: ArrayLike, what: str, shape: tuple[int, int | None] | None = 
     if not np.all(np.isfinite(matrix)):
         raise ArgumentError(f"{what} has entries that are not finite")
     return matrix
+
+
+def _numbers(given: ArrayLike, what: str) -> Matrix:
+    try:
+        return np.array(given, dtype=float, ndmin=1)
+    except (TypeError, ValueError):
+        raise ArgumentError(f"{what} is {given!r}: numbers were expected") from None
 
 
 def _names(given: Sequence[str] | None, size: int, stem: str) -> tuple[str, ...]:

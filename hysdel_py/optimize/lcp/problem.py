@@ -84,8 +84,8 @@ class LcpSettings:
 
     def __post_init__(self) -> None:
         for name in self.__slots__:
-            value = getattr(self, name)
-            if value is not None and not (isinstance(value, Real) and value > 0):
+            value: Any = getattr(self, name)
+            if value is not None and not (isinstance(value, Real) and float(value) > 0):
                 raise ArgumentError(f"{name} is {value!r}: a positive number was expected")
 
 
