@@ -4,6 +4,7 @@ The error is the greatest over the known signals at the end, relative to the siz
 the greatest error of an event time [s]. A dash is a case that a method does not claim to solve.
 
     python benchmarks/drivetrain.py [--dt 1e-3]
+    NUMBA_CACHE_DIR=$(mktemp -d) python benchmarks/drivetrain.py --first-use
 """
 
 from __future__ import annotations
@@ -11,6 +12,7 @@ from __future__ import annotations
 import argparse
 import sys
 from pathlib import Path
+from time import process_time
 
 import numpy as np
 
@@ -50,10 +52,31 @@ def entry(case: Case, scheme: object, not_meant: set[str]) -> str:
     return f"{error:.0e}, {late:.0e}"
 
 
+def first_use() -> None:
+    """Processor time of the first short run of each family of methods, which compiles its kernels."""
+    line = CASES["V4 viscous load"]().line
+    families = {
+        "time-stepping": hys.Moreau(),
+        "Runge-Kutta, event-driven": hys.WaitState(),
+        "explicit LCP (Lemke)": hys.Moreau(solver="lemke"),
+        "explicit LCP (Gauss-Seidel)": hys.Moreau(solver="pgs", decomposition="boxed"),
+        "time-stepping again": hys.Moreau(),
+    }
+    for family, scheme in families.items():
+        start = process_time()
+        line.simulate({"engine": 120, "vehicle": 0}, 0.01, scheme)
+        print(f"{family:<30}{process_time() - start:6.1f} s", flush=True)
+
+
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--dt", type=float, default=1e-3)
-    methods = schemes(parser.parse_args().dt)
+    parser.add_argument("--first-use", action="store_true", help="print processor times of first runs instead")
+    options = parser.parse_args()
+    if options.first_use:
+        first_use()
+        return
+    methods = schemes(options.dt)
     print(f"| case | {' | '.join(methods)} |")
     print("|---" * (len(methods) + 1) + "|")
     for name, make in CASES.items():

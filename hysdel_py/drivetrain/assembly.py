@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from hysdel_py.drivetrain.checks import check_columns, check_mass
 from hysdel_py.drivetrain.components import (
     GROUND,
     Brake,
@@ -23,7 +24,7 @@ from hysdel_py.drivetrain.components import (
     TorqueSource,
     VehicleLoad,
 )
-from hysdel_py.drivetrain.equations import Equations, Gains, Maps, Names, check_mass, no_maps
+from hysdel_py.drivetrain.equations import Equations, Gains, Maps, Names, no_maps
 from hysdel_py.drivetrain.laws import Coulomb, as_law
 from hysdel_py.drivetrain.shafts import Shafts, connect, label
 from hysdel_py.drivetrain.signals import Signal, as_signal
@@ -58,6 +59,7 @@ def assemble(components: Sequence[Component]) -> Equations:
         if not np.any(column):
             raise ArgumentError(f"contact {contact.name} has no slip: gears or sources fix the speeds on both sides")
     signals, names, gains = _inputs(components, contacts, springs, shafts, J)
+    check_columns(shafts.names, [s.name for s in springs], [c.name for c in contacts], names)
     return Equations(
         M=M,
         D=_damping(components, shafts),

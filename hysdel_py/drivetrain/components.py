@@ -8,9 +8,8 @@ drives the second shaft and brakes the first; its slip is the speed of the first
 from __future__ import annotations
 
 from dataclasses import dataclass
-from math import isfinite
 
-from hysdel_py.drivetrain.checks import check_number
+from hysdel_py.drivetrain.checks import check_number, is_number
 from hysdel_py.drivetrain.contacts import GROUND, Brake, Clutch, Contact, OneWayClutch
 from hysdel_py.drivetrain.loads import EngineMap, Load, SpeedSource, TorqueSource, VehicleLoad
 from hysdel_py.errors import ArgumentError
@@ -77,7 +76,7 @@ class Gear:
     ratio: float
 
     def __post_init__(self) -> None:
-        if not (isinstance(self.ratio, int | float) and isfinite(self.ratio) and self.ratio != 0):
+        if not (is_number(self.ratio) and self.ratio != 0):
             raise ArgumentError(f"Gear {self.name}: ratio is {self.ratio!r}, a finite number other than 0 was expected")
 
 

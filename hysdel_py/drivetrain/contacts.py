@@ -8,6 +8,7 @@ from typing import Any
 from hysdel_py.drivetrain.checks import check_number, set_signal
 from hysdel_py.drivetrain.laws import Coulomb, FrictionLaw, as_law
 from hysdel_py.drivetrain.signals import Signal, SignalLike
+from hysdel_py.errors import ArgumentError
 
 __all__ = ["GROUND", "Brake", "Clutch", "Contact", "OneWayClutch"]
 
@@ -106,5 +107,8 @@ def _finish_contact(component: Any) -> None:
     set_signal(component, "force")
     check_number(component, "radius", 0.0, open_end=True)
     check_number(component, "surfaces", 1)
+    if component.surfaces != int(component.surfaces):
+        kind = type(component).__name__
+        raise ArgumentError(f"{kind} {component.name}: surfaces is {component.surfaces!r}, a whole number was expected")
     law = as_law(component.friction, f"friction of {type(component).__name__} {component.name}")
     object.__setattr__(component, "friction", law)

@@ -18,7 +18,7 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
-from hysdel_py.drivetrain.kernels.box import solve_box
+from hysdel_py.drivetrain.kernels.box import DEPENDENT, solve_box
 from hysdel_py.optimize.lcp.problem import LcpResult
 from hysdel_py.optimize.lcp.solve import LcpMethod, solve_boxed_lcp, solve_lcp
 
@@ -66,8 +66,19 @@ class ContactSolver:
 
     def __call__(self, G: Matrix, c: Matrix, lo: Matrix, hi: Matrix) -> Matrix:
         """Torques or impulses P."""
+        return self._answer(self.method, G, c, lo, hi)
+
+    def in_order(self, G: Matrix, c: Matrix, lo: Matrix, hi: Matrix) -> Matrix:
+        """The same, but where contacts are redundant the first of them take what they can.
+
+        That is how an integration shares a torque among contacts that stick; another answer would contradict it.
+        """
+        method = "active-set" if _is_redundant(G) else self.method
+        return self._answer(method, G, c, lo, hi)
+
+    def _answer(self, method: str, G: Matrix, c: Matrix, lo: Matrix, hi: Matrix) -> Matrix:
         self.solves += 1
-        if self.method != "active-set" and len(c):
+        if method != "active-set" and len(c):
             found = self._by_lcp(G, c, lo, hi)
             if found is not None:
                 return found
@@ -93,3 +104,10 @@ class ContactSolver:
 
     def _fitting(self, size: int) -> LcpResult | None:
         return self._warm if self._warm is not None and len(self._warm.z) == size else None
+
+
+def _is_redundant(G: Matrix) -> bool:
+    """Whether some slips depend on others."""
+    size = np.sqrt(np.diag(G))
+    values = np.linalg.eigvalsh(G / np.outer(size, size))
+    return bool(len(values) > 1 and values[0] <= len(values) * DEPENDENT)

@@ -4,17 +4,18 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from importlib import import_module
-from math import isfinite
 from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from hysdel_py.drivetrain.assembly import assemble
+from hysdel_py.drivetrain.checks import is_number
 from hysdel_py.drivetrain.components import Component
 from hysdel_py.drivetrain.equations import Equations, equations_from_matrices
 from hysdel_py.drivetrain.hysdel_text import hysdel_text
 from hysdel_py.drivetrain.laws import FrictionLaw
+from hysdel_py.drivetrain.schemes.option_checks import VARIABLE_INTEGRATORS
 from hysdel_py.drivetrain.schemes.options import (
     AugmentedLagrangian,
     EventDriven,
@@ -29,6 +30,7 @@ from hysdel_py.drivetrain.schemes.options import (
     WaitState,
 )
 from hysdel_py.drivetrain.signals import SignalLike
+from hysdel_py.drivetrain.start import start_state
 from hysdel_py.drivetrain.trajectory import DrivetrainTrajectory
 from hysdel_py.errors import ArgumentError
 
@@ -183,10 +185,10 @@ class Drivetrain:
             A speed is missing or contradicts another, or the scheme cannot work on these equations.
         """
         scheme = Moreau() if scheme is None else scheme
-        _check_times(until, sample)
-        _check_length(scheme, until)
-        u, e = start_state(self.equations, start)
         module = import_module(f"hysdel_py.drivetrain.schemes.{_module_of(scheme)}")
+        _check_times(until, sample)
+        _check_length(scheme, until, sample)
+        u, e = start_state(self.equations, start)
         found: DrivetrainTrajectory = module.integrate(self.equations, u, e, float(until), scheme, sample)
         return found
 
@@ -236,58 +238,20 @@ def _module_of(scheme: Any) -> str:
 
 
 def _check_times(until: float, sample: float | None) -> None:
-    if not (isfinite(until) and until > 0):
-        raise ArgumentError(f"until is {until}: a time above zero was expected")
+    if not (is_number(until) and until > 0):
+        raise ArgumentError(f"until is {until!r}: a time above zero was expected")
     if sample is not None:
-        if not (isfinite(sample) and 0 < sample <= until):
-            raise ArgumentError(f"sample is {sample}: a time above zero and up to {until:g} was expected")
+        if not (is_number(sample) and 0 < sample <= until):
+            raise ArgumentError(f"sample is {sample!r}: a time above zero and up to {until:g} was expected")
         if abs(until / sample - round(until / sample)) > 1e-6:
             raise ArgumentError(f"sample {sample:g} does not divide the time span of {until:g}")
 
 
-def _check_length(scheme: Any, until: float) -> None:
-    dt = getattr(scheme, "dt", None)
-    if dt is not None and until / dt > _LARGEST_RUN:
-        raise ArgumentError(f"{until / dt:.3g} steps of {dt:g} s: at most {_LARGEST_RUN:.3g} are done in one run")
-
-
-def start_state(equations: Equations, start: Mapping[str, float] | ArrayLike) -> tuple[Matrix, Matrix]:
-    """Speeds u and twists e from what a user gives.
-
-    Raises
-    ------
-    ArgumentError
-        A speed is missing, unknown, not finite, or contradicts the gears.
-    """
-    names = equations.names
-    if not isinstance(start, Mapping):
-        values = np.asarray(start, dtype=float)
-        every = (*names.coordinates, *names.springs)
-        sizes = {len(names.coordinates), len(every)}
-        if values.ndim != 1 or values.size not in sizes:
-            raise ArgumentError(
-                f"start has shape {values.shape}: {len(every)} numbers were expected: {', '.join(every)}"
-            )
-        start = dict(zip(every, values.tolist(), strict=False))
-    return _from_names(equations, dict(start))
-
-
-def _from_names(equations: Equations, start: dict[str, float]) -> tuple[Matrix, Matrix]:
-    names = equations.names
-    for name, value in start.items():
-        if name not in names.shafts and name not in names.springs:
-            known = ", ".join((*names.coordinates, *names.springs))
-            raise ArgumentError(f"start names {name}, which is no shaft and no spring: it may name {known}")
-        if not isfinite(float(value)):
-            raise ArgumentError(f"start of {name} is {value}: a finite number was expected")
-    missing = [name for name in names.coordinates if name not in start]
-    if missing:
-        raise ArgumentError(f"start has no speed for {', '.join(missing)}: independent shafts all need one")
-    u = np.array([float(start[name]) for name in names.coordinates])
-    e = np.array([float(start.get(name, 0.0)) for name in names.springs])
-    speeds = equations.shaft_speeds(np.zeros(1), u[None, :])[0]
-    for name, speed in zip(names.shafts, speeds, strict=True):
-        given = float(start.get(name, speed))
-        if abs(given - speed) > 1e-9 * max(1.0, abs(speed)):
-            raise ArgumentError(f"start of {name} is {given:g}, but its gears make it {speed:g}: leave it out")
-    return u, e
+def _check_length(scheme: Any, until: float, sample: float | None) -> None:
+    """Samples, and steps of a scheme that has equal ones, have to fit into memory."""
+    chosen = isinstance(scheme, VariableStepMoreau) or getattr(scheme, "integrator", "") in VARIABLE_INTEGRATORS
+    dt = None if chosen else getattr(scheme, "dt", None)
+    for interval, what in ((dt, "steps"), (sample, "samples")):
+        if interval is not None and until / interval > _LARGEST_RUN:
+            count = until / interval
+            raise ArgumentError(f"{count:.3g} {what} of {interval:g} s: at most {_LARGEST_RUN:.3g} are done in one run")

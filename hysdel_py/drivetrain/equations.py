@@ -16,6 +16,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from hysdel_py.drivetrain.checks import check_columns, check_directions, check_mass
 from hysdel_py.drivetrain.kernels.arrays import Inputs, Plant
 from hysdel_py.drivetrain.laws import Coulomb, FrictionLaw, as_law
 from hysdel_py.drivetrain.signals import Function, PiecewiseLinear, Signal, SignalLike, as_signal, sample
@@ -180,6 +181,13 @@ class Equations:
         used: NDArray[np.bool_] = np.any(self.gains.shaft != 0, axis=0)
         return used
 
+    @property
+    def has_function_pressure(self) -> NDArray[np.bool_]:
+        """Contacts whose normal force is a function of time."""
+        functions = np.array([isinstance(signal, Function) for signal in self.signals], dtype=bool)
+        found: NDArray[np.bool_] = np.any(self.gains.pressure[:, functions] != 0, axis=1)
+        return found
+
     def shaft_speeds(self, t: Matrix, u: Matrix) -> Matrix:
         """Speeds of all shafts, one row per time."""
         speeds: Matrix = u @ self.T.T + sample(self.signals, t) @ self.gains.shaft.T
@@ -221,15 +229,17 @@ def equations_from_matrices(
     W = _matrix(W, "W", (n, None))
     D = np.zeros((n, n)) if D is None else _matrix(D, "D", (n, n))
     B = np.zeros((n, 0)) if B is None else _matrix(B, "B", (n, None))
-    stiffness = np.zeros(0) if k is None else np.atleast_1d(np.asarray(k, dtype=float))
-    if stiffness.shape != (B.shape[1],) or not np.all(stiffness >= 0):
+    stiffness = np.zeros(0) if k is None else _numbers(k, "k")
+    if stiffness.shape != (B.shape[1],) or not np.all((stiffness >= 0) & np.isfinite(stiffness)):
         raise ArgumentError(f"k has shape {stiffness.shape}: {B.shape[1]} numbers of zero or more were expected")
     count = W.shape[1]
-    laws = tuple(as_law(law, f"friction {i}") for i, law in enumerate(friction or [Coulomb()] * count))
+    given_laws = [Coulomb()] * count if friction is None else np.atleast_1d(np.array(friction, dtype=object))
+    laws = tuple(as_law(law, f"friction {i}") for i, law in enumerate(given_laws))
     forces = [0.0] * n if force is None else list(force)
     for given, size, what in ((capacity, count, "capacity"), (forces, n, "force"), (laws, count, "friction")):
-        if len(given) != size:
-            raise ArgumentError(f"{what} has {len(given)} entries: {size} were expected")
+        if not isinstance(given, Sequence | np.ndarray) or len(given) != size:
+            has = f"has {len(given)} entries" if hasattr(given, "__len__") else f"is {given!r}"
+            raise ArgumentError(f"{what} {has}: a sequence of {size} was expected")
     names = Names(
         _names(coordinates, n, "w"), _names(coordinates, n, "w"), _names(springs, B.shape[1], "twist"),
         _names(contacts, count, "contact"),
@@ -244,30 +254,16 @@ def equations_from_matrices(
     side = np.tile([-1.0, 1.0], (count, 1))
     signal_names = tuple(f"force on {c}" for c in names.coordinates) + tuple(f"force of {c}" for c in names.contacts)
     check_mass(M, names.coordinates)
+    check_columns(names.shafts, names.springs, names.contacts, signal_names)
+    check_directions(W, names.contacts)
     return Equations(
         M, D, B, stiffness, W, np.zeros((n, 0)), np.zeros(0), no_maps(n), np.eye(n), laws, side, tuple(signals),
         signal_names, gains, names,
     )  # fmt: skip
 
 
-def check_mass(M: Matrix, names: Sequence[str]) -> None:
-    """Check that a mass matrix is symmetric and positive definite.
-
-    Raises
-    ------
-    ArgumentError
-        It is not; the message names a shaft that moves without inertia.
-    """
-    if not np.allclose(M, M.T, rtol=1e-12, atol=0.0):
-        raise ArgumentError("the mass matrix is not symmetric")
-    values, vectors = np.linalg.eigh(M)
-    if len(M) and values[0] <= values[-1] * len(M) * np.finfo(float).eps:
-        free = names[int(np.argmax(np.abs(vectors[:, 0])))]
-        raise ArgumentError(f"shaft {free} can move without inertia: give it an Inertia or gear it to one that has")
-
-
 def _matrix(given: ArrayLike, what: str, shape: tuple[int, int | None] | None = None) -> Matrix:
-    matrix = np.array(given, dtype=float)
+    matrix = _numbers(given, what)
     rows, columns = shape or (len(matrix), len(matrix))
     if matrix.ndim != 2 or matrix.shape[0] != rows or (columns is not None and matrix.shape[1] != columns):
         wanted = f"({rows}, {'any' if columns is None else columns})"
@@ -275,6 +271,13 @@ def _matrix(given: ArrayLike, what: str, shape: tuple[int, int | None] | None = 
     if not np.all(np.isfinite(matrix)):
         raise ArgumentError(f"{what} has entries that are not finite")
     return matrix
+
+
+def _numbers(given: ArrayLike, what: str) -> Matrix:
+    try:
+        return np.array(given, dtype=float, ndmin=1)
+    except (TypeError, ValueError):
+        raise ArgumentError(f"{what} is {given!r}: numbers were expected") from None
 
 
 def _names(given: Sequence[str] | None, size: int, stem: str) -> tuple[str, ...]:

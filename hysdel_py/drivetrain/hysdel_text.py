@@ -9,11 +9,11 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterator, Mapping, Sequence
-from math import isfinite
 
 import numpy as np
 from numpy.typing import NDArray
 
+from hysdel_py.drivetrain.checks import is_number
 from hysdel_py.drivetrain.equations import Equations
 from hysdel_py.drivetrain.sampled_step import (
     Branch,
@@ -56,12 +56,13 @@ def hysdel_text(equations: Equations, ranges: Ranges, scheme: Moreau | Karnopp, 
     """
     _check(equations, scheme)
     states = (*equations.names.coordinates, *equations.names.springs)
-    inputs = [s for s in equations.signal_names if s in ranges]
     _check_ranges(equations, ranges, states)
+    inputs = [s for s in equations.signal_names if s in ranges and s not in states]
     step = moreau_step(equations, scheme) if isinstance(scheme, Moreau) else euler_step(equations, scheme)
     writer = _Writer(equations, inputs)
     branches = branches_of(step) if isinstance(scheme, Moreau) else karnopp_branches(step, float(scheme.band or 0.0))
-    return "\n".join(_lines(equations, writer, step, branches, ranges, name, scheme))
+    lines = _lines(equations, writer, step, branches, ranges, inputs, name, scheme)
+    return "\n".join(lines)
 
 
 def _check(equations: Equations, scheme: Moreau | Karnopp) -> None:
@@ -85,12 +86,20 @@ def _check_ranges(equations: Equations, ranges: Ranges, states: Sequence[str]) -
     missing = [state for state in states if state not in ranges]
     if missing:
         raise ArgumentError(f"ranges has none for {', '.join(missing)}: every shaft and spring needs one")
-    for known, (low, high) in ranges.items():
+    for known, given in ranges.items():
         if known not in states and known not in equations.signal_names:
             every = ", ".join((*states, *equations.signal_names))
             raise ArgumentError(f"ranges names {known}, which is no state and no signal: it may name {every}")
-        if not (isfinite(low) and isfinite(high) and low <= high):
-            raise ArgumentError(f"range of {known} is [{low}, {high}]: two finite ascending numbers were expected")
+        if not (
+            isinstance(given, Sequence) and len(given) == 2 and all(map(is_number, given)) and given[0] <= given[1]
+        ):
+            raise ArgumentError(f"range of {known} is {given!r}: two finite ascending numbers were expected")
+    forces = np.flatnonzero(np.any(equations.gains.pressure != 0, axis=0))
+    for known in (equations.signal_names[i] for i in forces):
+        if known in ranges and ranges[known][0] < 0:
+            raise ArgumentError(
+                f"range of {known} begins at {ranges[known][0]:g}: a normal force of zero or more was expected"
+            )
 
 
 class _Writer:
@@ -104,11 +113,7 @@ class _Writer:
         names = [*self.states, *(identifier(name) + "_u" for name in equations.signal_names)]
         if len(set(names)) < len(names) or len(set(every[: len(self.states)])) < len(self.states):
             raise ArgumentError(f"names {', '.join(every)} are not different once they are written as identifiers")
-        self._constants = {
-            i: _constant(name, signal)
-            for i, (name, signal) in enumerate(zip(equations.signal_names, equations.signals, strict=True))
-            if name not in inputs
-        }
+        self._constants = _constants(equations, inputs)
         self._names = names
 
     def form(self, row: Matrix) -> str:
@@ -131,6 +136,17 @@ def identifier(name: str) -> str:
     return re.sub(r"\W", "_", name if name[:1].isalpha() else f"x{name}")
 
 
+def _constants(equations: Equations, inputs: Sequence[str]) -> dict[int, float]:
+    """Values of the signals that are no inputs; a normal force below zero is none."""
+    found = {}
+    pressures = np.any(equations.gains.pressure != 0, axis=0)
+    for i, (name, signal) in enumerate(zip(equations.signal_names, equations.signals, strict=True)):
+        if name not in inputs:
+            value = _constant(name, signal)
+            found[i] = max(value, 0.0) if pressures[i] else value
+    return found
+
+
 def _constant(name: str, signal: object) -> float:
     if not isinstance(signal, PiecewiseLinear) or np.ptp(signal.values) != 0.0:
         raise ArgumentError(f"signal {name} is not constant: give its range to make it an input")
@@ -143,6 +159,7 @@ def _lines(
     step: Sampled,
     branches: Sequence[Branch],
     ranges: Ranges,
+    inputs: Sequence[str],
     name: str,
     scheme: Moreau | Karnopp,
 ) -> Iterator[str]:
@@ -157,7 +174,7 @@ def _lines(
     yield "}"
     if writer.inputs:
         yield "INPUT {"
-        for signal in (s for s in equations.signal_names if s in ranges):
+        for signal in inputs:
             yield f"REAL {identifier(signal)}_u [{ranges[signal][0]!r}, {ranges[signal][1]!r}];"
         yield "}"
     yield from _block("OUTPUT", [f"REAL {c}_slip, {c}_torque;" for c in contacts])

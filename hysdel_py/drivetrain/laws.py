@@ -11,8 +11,10 @@ with the relative speed gamma. Where mu_d(0+) = mu_s this is one maximal monoton
 from __future__ import annotations
 
 from dataclasses import dataclass
-from math import exp, inf, isfinite
+from math import exp
+from typing import Any
 
+from hysdel_py.drivetrain.checks import is_number
 from hysdel_py.errors import ArgumentError
 
 __all__ = ["Coulomb", "FrictionLaw", "Stribeck", "as_law"]
@@ -80,8 +82,8 @@ class Stribeck:
     def __post_init__(self) -> None:
         _check_coefficients(self.static, self.dynamic)
         for name, value in (("speed", self.speed), ("exponent", self.exponent)):
-            if not 0 < value < inf:
-                raise ArgumentError(f"{name} of a Stribeck law is {value}: a finite number above zero was expected")
+            if not (is_number(value) and value > 0):
+                raise ArgumentError(f"{name} of a Stribeck law is {value!r}: a finite number above zero was expected")
 
     @property
     def parameters(self) -> tuple[float, float, float, float]:
@@ -96,10 +98,10 @@ class Stribeck:
 FrictionLaw = Coulomb | Stribeck
 
 
-def _check_coefficients(static: float, dynamic: float) -> None:
+def _check_coefficients(static: Any, dynamic: Any) -> None:
     for name, value in (("static", static), ("dynamic", dynamic)):
-        if not (isfinite(value) and value >= 0):
-            raise ArgumentError(f"{name} friction coefficient is {value}: zero or more was expected")
+        if not (is_number(value) and value >= 0):
+            raise ArgumentError(f"{name} friction coefficient is {value!r}: zero or more was expected")
     if dynamic > static:
         raise ArgumentError(f"dynamic friction coefficient {dynamic:g} exceeds the static one {static:g}")
 
@@ -114,6 +116,6 @@ def as_law(given: FrictionLaw | float, what: str) -> FrictionLaw:
     """
     if isinstance(given, Coulomb | Stribeck):
         return given
-    if isinstance(given, bool) or not isinstance(given, int | float):
+    if not is_number(given):
         raise ArgumentError(f"{what}: {given!r} is no friction law: a coefficient, Coulomb or Stribeck was expected")
     return Coulomb(float(given))

@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from math import isfinite, pi
+from math import pi
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from hysdel_py.drivetrain.checks import check_number, set_signal
+from hysdel_py.drivetrain.checks import check_number, is_number, set_signal
 from hysdel_py.drivetrain.contacts import GROUND, Contact
 from hysdel_py.drivetrain.laws import Coulomb
 from hysdel_py.drivetrain.signals import SignalLike, as_signal
@@ -140,7 +140,7 @@ class VehicleLoad:
             check_number(self, name, 0.0, open_end=True)
         for name in ("drag", "rolling"):
             check_number(self, name, 0.0)
-        if not (isfinite(self.slope) and abs(self.slope) < pi / 2):
+        if not (is_number(self.slope) and abs(self.slope) < pi / 2):
             raise ArgumentError(f"VehicleLoad {self.name}: slope is {self.slope!r}, an angle below pi/2 was expected")
 
     @property

@@ -91,7 +91,8 @@ def branches_of(step: Sampled) -> list[Branch]:
 def _branch(step: Sampled, word: str) -> Branch:
     """One mode: p slips with positive slip, n with negative, s sticks."""
     limits = zip(word, step.lo, step.hi, strict=True)
-    P = np.array([{"p": lo, "n": hi}.get(letter, 0.0 * lo) for letter, lo, hi in limits])
+    rows = [{"p": lo, "n": hi}.get(letter, 0.0 * lo) for letter, lo, hi in limits]
+    P = np.array(rows).reshape(step.slip.shape)
     index = [i for i, letter in enumerate(word) if letter == "s"]
     if index:
         slip = (step.slip + step.G @ P)[index]

@@ -93,7 +93,8 @@ def connect(components: Sequence[Component]) -> Shafts:
 def _check_names(components: Sequence[Component]) -> None:
     for component in components:
         if not isinstance(component, Component):
-            raise ArgumentError(f"{component!r} is no component of a drivetrain")
+            hint = ": write Drivetrain(*components)" if isinstance(component, list | tuple) else ""
+            raise ArgumentError(f"{component!r} is no component of a drivetrain{hint}")
         if not (isinstance(component.name, str) and component.name) or component.name == GROUND:
             raise ArgumentError(f"{label(component)}: a name was expected that is not empty and not {GROUND}")
     twice = [name for name, count in Counter(c.name for c in components).items() if count > 1]
@@ -127,6 +128,8 @@ def _shafts_of(component: Component) -> tuple[str, ...]:
 def _check_shafts(component: Component, shafts: list[str]) -> None:
     named = _shafts_of(component)
     for name in named:
+        if not isinstance(name, str):
+            raise ArgumentError(f"{label(component)}: {name!r} is no shaft: the name of one was expected")
         if name != GROUND and name not in shafts:
             close = get_close_matches(name, shafts, 1)
             hint = f"did you mean {close[0]}?" if close else f"shafts are {', '.join(shafts) or 'none'}"

@@ -112,7 +112,10 @@ class Function:
         ArgumentError
             The function gives no finite number.
         """
-        found = float(self.call(t))
+        try:
+            found = float(self.call(t))
+        except (TypeError, ValueError) as error:
+            raise ArgumentError(f"a function of time fails at t = {t:g}: {error}: one number was expected") from error
         if not np.isfinite(found):
             raise ArgumentError(f"a function of time gives {found} at t = {t:g}: a finite number was expected")
         return found

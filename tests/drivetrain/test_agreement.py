@@ -117,3 +117,18 @@ def test_residuals_measure_slip_and_missing_torque():
     assert residual(-1.0, 4.0) == 0.0
     assert residual(0.3, 0.01) == pytest.approx(0.01)
     assert residual(1.0, 4.0) == pytest.approx(1.0)  # twice the limit is missing, times the mobility
+
+
+@pytest.mark.parametrize("scheme", [hys.EventDriven(), hys.EventDriven(decomposition="boxed"), hys.Exact()])
+def test_of_two_parallel_clutches_one_gives_way_after_the_other(scheme):
+    """With limits of 10 and 5 on equal inertias they hold a torque of 30 t until t = 1; which slips first is open."""
+    line = hys.Drivetrain(
+        hys.Inertia("a", 1.0), hys.Inertia("b", 1.0), hys.Clutch("c1", "a", "b", 10), hys.Clutch("c2", "a", "b", 5),
+        hys.TorqueSource("T", "a", [(0, 0), (2, 60)]),
+    )  # fmt: skip
+    run = line.simulate({"a": 0, "b": 0}, 2.0, scheme)
+    assert run.t[-1] == 2.0
+    assert not run.messages
+    assert run["a"][-1] == pytest.approx(7.5 + 45 - 15, abs=1e-6)
+    assert run["b"][-1] == pytest.approx(7.5 + 15, abs=1e-6)
+    assert all(type(event.time) is float for event in run.events)

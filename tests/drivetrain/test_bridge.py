@@ -100,6 +100,9 @@ def test_two_clutches_have_nine_modes():
         ({"engine": (0, 1)}, None, "none for vehicle"),
         ({**RANGES, "Tee": (0, 1)}, None, "names Tee"),
         ({**RANGES, "Te": (1, 0)}, None, "range of Te"),
+        ({**RANGES, "Te": None}, None, "range of Te is None"),
+        ({**RANGES, "Te": ("0", 1)}, None, "range of Te"),
+        ({**RANGES, "clutch": (-1, 1)}, None, "a normal force of zero or more"),
         (RANGES, hys.WaitState(), "no piecewise affine step"),
         (RANGES, hys.Karnopp(), "euler"),
     ],
@@ -112,3 +115,17 @@ def test_wrong_arguments(ranges, scheme, words):
 def test_a_signal_that_changes_needs_a_range():
     with pytest.raises(ArgumentError, match="clutch is not constant"):
         line(force=[(0, 0), (1, 1)]).to_hysdel({k: v for k, v in RANGES.items() if k != "clutch"})
+
+
+def test_the_slope_under_a_vehicle_is_no_input():
+    """A vehicle's speed and its slope have one name; the range is that of the speed."""
+    plant = hys.Drivetrain(hys.VehicleLoad("car", 1000, 0.3, slope=0.05), hys.TorqueSource("T", "car", 100))
+    model = hys.load(plant.to_hysdel({"car": (-10, 90)}, hys.Moreau(dt=0.01)))
+    run = plant.simulate({"car": 20}, 0.01, hys.Moreau(dt=0.01))
+    assert model.dha.step([20], [])[0][0] == pytest.approx(run["car"][1])
+    assert run["car"][1] == pytest.approx(20 + 0.01 * (100 - 1000 * 9.81 * 0.3 * np.sin(0.05)) / 90)
+
+
+def test_a_constant_force_below_zero_leaves_the_clutch_open():
+    model = hys.load(line(force=-50).to_hysdel({"engine": (0, 300), "vehicle": (0, 300)}))
+    assert model.dha.step([120, 20], [])[1].tolist() == [100.0, 0.0]

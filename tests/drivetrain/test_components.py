@@ -119,6 +119,10 @@ def test_matrices_give_the_same_run_as_components():
         ([J("a", 1), G("g", "b", "c", 2), hys.Brake("x", "b", 1), hys.Brake("y", "c", 1)], "move without inertia"),
         ([J("ground", 1)], "not ground"),
         (["engine"], "no component"),
+        ([[J("a", 1)]], r"write Drivetrain\(\*components\)"),
+        ([J("t", 1)], "t would name two signals"),
+        ([hys.VehicleLoad("v", 1, 1, rolling=0.1), hys.Brake("v_rolling", "v", 1)], r"v_rolling\.slip would name two"),
+        ([J("a", 1), J("b", 1), hys.Clutch("c", None, "b", 1)], "None is no shaft"),
         ([hys.SpeedSource("s", 1.0), J("a", 1), G("g", "s", "a", 2)], "can move"),
     ],
 )
@@ -154,6 +158,21 @@ def test_wrong_drivetrains(components, words):
         (lambda: hys.Drivetrain.from_matrices([[1, 2], [2, 1]], [[1], [0]], [1]), "without inertia"),
         (lambda: hys.Drivetrain.from_matrices([[1, 2], [3, 9]], [[1], [0]], [1]), "not symmetric"),
         (lambda: hys.Drivetrain.from_matrices([[1]], [[1]], [1, 2]), "capacity has 2"),
+        (lambda: hys.Drivetrain.from_matrices([[1]], [[1]], 5.0), "capacity is 5.0: a sequence of 1"),
+        (lambda: hys.Drivetrain.from_matrices([[1]], [[0]], [1]), "contact1 has no slip"),
+        (lambda: hys.Drivetrain.from_matrices(1.0, [[1]], [1]), "M has shape"),
+        (lambda: hys.Drivetrain.from_matrices([["x"]], [[1]], [1]), "M is .*numbers were expected"),
+        (lambda: hys.Drivetrain.from_matrices([[1]], [[1]], [1], B=[[1]], k=["x"]), "k is"),
+        (lambda: hys.Drivetrain.from_matrices([[1]], [[1]], [1], friction=[1, 2]), "friction has 2 entries"),
+        (lambda: J("a", True), "inertia is True"),
+        (lambda: hys.Coulomb("x"), "coefficient is 'x'"),
+        (lambda: hys.Stribeck(0.4, 0.3, "x"), "speed of a Stribeck law is 'x'"),
+        (lambda: hys.VehicleLoad("v", 1, 1, slope="5 %"), "slope is '5 %'"),
+        (lambda: hys.Clutch("c", "a", "b", 1, surfaces=2.5), "surfaces is 2.5, a whole number"),
+        (lambda: hys.Moreau(theta="x"), "theta is 'x'"),
+        (lambda: hys.Moreau(dt=None), "dt is None"),
+        (lambda: hys.SwitchModel(tau="x"), "tau is 'x'"),
+        (lambda: hys.VariableStepMoreau(min_step=1.0), "min_step 1 exceeds max_step"),
     ],
 )
 def test_wrong_arguments(make, words):
@@ -172,6 +191,11 @@ def test_wrong_arguments(make, words):
         (({"a": 1, "b": 1}, -1.0), "until is -1"),
         (({"a": 1, "b": 1}, 1.0, "moreau"), "scheme is 'moreau'"),
         (({"a": 1, "b": 1}, 1e9), "steps"),
+        (({"a": 1, "b": 1}, "1"), "until is '1'"),
+        (({"a": "x", "b": 1}, 1.0), "start of a is 'x'"),
+        (({"a": 10**400, "b": 1}, 1.0), "start of a"),
+        (([[1], [1, 2]], 1.0), "a mapping of names"),
+        (({"a": 1, "b": 1}, 1.0, hys.Moreau), "as in scheme="),
     ],
 )
 def test_wrong_runs(arguments, words):
@@ -185,6 +209,24 @@ def test_samples_have_to_divide_the_time():
     assert len(line.simulate({"a": 1}, 1.0, hys.Moreau(dt=0.03), sample=0.1).t) == 11
     with pytest.raises(ArgumentError, match="does not divide"):
         line.simulate({"a": 1}, 1.0, sample=0.3)
+    with pytest.raises(ArgumentError, match="1e\\+09 samples"):
+        line.simulate({"a": 1}, 1.0, sample=1e-9)
+
+
+def test_the_first_step_of_a_variable_method_does_not_limit_its_run():
+    line = hys.Drivetrain(J("a", 1))
+    assert line.simulate({"a": 1}, 1e5, hys.EventDriven(max_step=1e4))["a"][-1] == pytest.approx(1.0)
+
+
+def test_numbers_of_numpy_are_numbers():
+    line = hys.Drivetrain(J("a", np.int64(1)), hys.Brake("b", "a", 1, np.float32(0.5)))
+    assert line.simulate({"a": np.int64(1)}, 1.0)["a"][-1] == pytest.approx(0.5)
+
+
+def test_inertias_of_all_sizes_go_together():
+    line = hys.Drivetrain(J("a", 1e-9), J("b", 1e8), hys.Clutch("c", "a", "b", 1e-8))
+    assert line.simulate({"a": 1, "b": 0}, 0.05)["a"][-1] == pytest.approx(0.5)
+    assert line.simulate({"a": 1, "b": 0}, 1.0)["a"][-1] == pytest.approx(0.0, abs=1e-9)
 
 
 def test_exact_refuses_what_is_not_linear():

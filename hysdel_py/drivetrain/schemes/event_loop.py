@@ -143,7 +143,7 @@ def _select(run: _Run, segment: Segment, broken: dict[int, int], *, quiet: bool)
     names = run.equations.names.contacts
     for i in np.flatnonzero((modes != run.modes) & (not quiet)):
         before, after = ContactMode(int(run.modes[i])), ContactMode(int(modes[i]))
-        run.log.events.append(Event(run.t, names[i], before, after))
+        run.log.events.append(Event(float(run.t), names[i], before, after))
     run.modes = modes
     run.z = np.concatenate([u, run.z[n:]])
 

@@ -93,7 +93,7 @@ def _slipping(
     a = (free + plant.G @ torque)[candidates]
     G = np.ascontiguousarray(plant.G[np.ix_(candidates, candidates)])
     low, high = lo[candidates], hi[candidates]
-    P = solver(G, a, low, high)
+    P = solver.in_order(G, a, low, high)
     acceleration = a + G @ P
     found = {}
     for k, contact in enumerate(candidates):

@@ -12,10 +12,12 @@ from hysdel_py.drivetrain.schemes.option_checks import (
     DECOMPOSITIONS,
     INTEGRATORS,
     LCP_SOLVERS,
+    VARIABLE_INTEGRATORS,
     check_options,
     check_theta,
 )
 from hysdel_py.drivetrain.schemes.rule_options import FixedStepLcp, Karnopp, Smoothing, SwitchModel, WaitState
+from hysdel_py.errors import ArgumentError
 
 __all__ = [
     "AugmentedLagrangian", "EventDriven", "Exact", "FixedStepLcp", "Karnopp", "Moreau", "Scheme", "Smoothing",
@@ -115,6 +117,11 @@ class VariableStepMoreau:
 
     def __post_init__(self) -> None:
         check_options(self, tolerance=0.0, dt=0.0, min_step=0.0, max_step=0.0)
+        if self.min_step > self.max_step:
+            raise ArgumentError(
+                f"VariableStepMoreau: min_step {self.min_step:g} exceeds max_step {self.max_step:g}: at most that was "
+                "expected"
+            )
 
 
 @dataclass(frozen=True, slots=True)
@@ -146,7 +153,7 @@ class EventDriven:
 
     def __post_init__(self) -> None:
         check_options(
-            self, integrator=("dop853", "rk45", "radau", *INTEGRATORS), rtol=0.0, atol=0.0, max_step=0.0, dt=0.0,
+            self, integrator=(*VARIABLE_INTEGRATORS, *INTEGRATORS), rtol=0.0, atol=0.0, max_step=0.0, dt=0.0,
             decomposition=DECOMPOSITIONS, solver=("active-set", *LCP_SOLVERS),
         )  # fmt: skip
 

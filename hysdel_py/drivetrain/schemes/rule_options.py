@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from numbers import Real
 
 from hysdel_py.drivetrain.schemes.option_checks import DECOMPOSITIONS, INTEGRATORS, LCP_SOLVERS, check_options
 from hysdel_py.errors import ArgumentError
@@ -24,6 +25,8 @@ class Smoothing:
         With fixed steps: ``"euler"``, ``"rk3"`` or ``"rk4"``.
     rtol, atol : float
         Of variable steps.
+    max_step : float
+        Longest variable step [s] where an input is a function of time, whose changes no step may jump over.
     """
 
     steepness: float = 1e3
@@ -31,9 +34,10 @@ class Smoothing:
     integrator: str = "rk4"
     rtol: float = 1e-7
     atol: float = 1e-9
+    max_step: float = 0.02
 
     def __post_init__(self) -> None:
-        check_options(self, steepness=0.0, dt=0.0, integrator=INTEGRATORS, rtol=0.0, atol=0.0)
+        check_options(self, steepness=0.0, dt=0.0, integrator=INTEGRATORS, rtol=0.0, atol=0.0, max_step=0.0)
 
 
 @dataclass(frozen=True, slots=True)
@@ -79,7 +83,7 @@ class SwitchModel:
 
     def __post_init__(self) -> None:
         check_options(self, dt=0.0, band=0.0, integrator=INTEGRATORS)
-        if self.tau is not None and not self.tau > 0:
+        if self.tau is not None and not (isinstance(self.tau, Real) and self.tau > 0):
             raise ArgumentError(f"SwitchModel: tau is {self.tau!r}, a number above zero was expected")
 
 

@@ -30,9 +30,9 @@ class Segment:
     values, slopes : arrays of shape (ns,)
         Of the piecewise linear signals at the start, seen from inside; zero for functions.
     base, rate : Inputs
-        What these contribute at the start, and its derivative.
+        What these contribute at the start, and its derivative; a pressure below zero is kept and rises from there.
     open : bool array of shape (nc,)
-        Contacts without pressure in this interval.
+        Contacts without pressure in this interval; a pressure that is a function may come at any time.
     equations : Equations
     """
 
@@ -85,7 +85,7 @@ def _pressure_zeros(equations: Equations, until: float) -> list[float]:
 def _segment(equations: Equations, a: float, b: float) -> Segment:
     lines = [s.line(a) if isinstance(s, PiecewiseLinear) else (0.0, 0.0) for s in equations.signals]
     values, slopes = np.array([v for v, _ in lines]), np.array([s for _, s in lines])
-    base = equations.inputs_of(values, slopes)
+    base = equations.inputs_of(values, slopes)._replace(pressure=values @ equations.gains.pressure.T)
     rate = Inputs(
         slopes @ equations.gains.force.T,
         slopes @ equations.gains.pressure.T,
@@ -98,4 +98,5 @@ def _segment(equations: Equations, a: float, b: float) -> Segment:
     greatest = np.maximum(segment.at(a).pressure, segment.at(b).pressure)
     middle = np.maximum(segment.at(0.5 * (a + b)).pressure, greatest)
     segment.open[:] = middle <= _ZERO_PRESSURE * max(1.0, float(middle.max(initial=0.0)))
+    segment.open[equations.has_function_pressure] = False
     return segment

@@ -83,7 +83,9 @@ def _solve(plant: Plant, segment: Segment, z: Matrix, scheme: Smoothing, wanted:
     atol = np.concatenate([np.full(n + m, scheme.atol), np.full(3, _WORK_TOLERANCE)])
     ends = (segment.start, segment.end)
     at = None if wanted is None else np.unique(np.append(wanted, segment.end))
-    return _Answer(solve_ivp(rates, ends, z, method="Radau", rtol=scheme.rtol, atol=atol, t_eval=at), wanted)
+    max_step = np.inf if segment.is_linear else scheme.max_step
+    found = solve_ivp(rates, ends, z, method="Radau", rtol=scheme.rtol, atol=atol, t_eval=at, max_step=max_step)
+    return _Answer(found, wanted)
 
 
 def _record(equations: Equations, plant: Plant, t: Matrix, Z: Matrix, steepness: float) -> Record:

@@ -84,8 +84,9 @@ class LcpSettings:
 
     def __post_init__(self) -> None:
         for name in self.__slots__:
-            value = getattr(self, name)
-            if not (isinstance(value, Real) and float(value) > 0) and (value is not None or name != "pivots"):
+            value: Any = getattr(self, name)
+            given = value is not None or name != "pivots"
+            if given and not (isinstance(value, Real) and float(value) > 0):
                 raise ArgumentError(f"{name} is {value!r}: a positive number was expected")
 
 

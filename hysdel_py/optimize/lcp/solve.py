@@ -190,10 +190,7 @@ _WORDS = {
 def _guess(problem: Lcp, warm: LcpResult | ArrayLike | None) -> Vector | None:
     if warm is None:
         return None
-    try:
-        z = np.array(warm.z if isinstance(warm, LcpResult) else warm, dtype=float)
-    except (TypeError, ValueError) as error:
-        raise ArgumentError(f"warm is no LcpResult and no array of numbers: {error}") from None
+    z = numbers(warm.z if isinstance(warm, LcpResult) else warm, "warm")
     if z.shape != (problem.n,):
         raise ArgumentError(f"warm has shape {z.shape}: {(problem.n,)} was expected, as q has {problem.n} entries")
     return z if np.isfinite(z).all() else None

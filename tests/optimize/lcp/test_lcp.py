@@ -291,11 +291,20 @@ def test_the_residual_tells_solutions_apart():
         (([[1.0]], [np.inf]), r"q\[0\]"),
         (([[1.0]], [1.0], "simplex"), "method is 'simplex'"),
         (([[1.0]], [1.0], "newton", [1.0, 2.0]), "warm has shape"),
+        (([["x"]], [1.0]), "M is no array of numbers"),
+        (([[1.0]], "x"), "q is no array of numbers"),
+        (([[1j]], [1.0]), "M is no array of numbers"),
+        (([[1.0]], [1.0], "newton", "x"), "warm is no array of numbers"),
     ],
 )
 def test_wrong_arguments(arguments, message):
     with pytest.raises(ArgumentError, match=message):
         solve_lcp(*arguments)
+
+
+def test_wrong_settings():
+    with pytest.raises(ArgumentError, match="tolerance is 'x'"):
+        LcpSettings(tolerance="x")
 
 
 def test_wrong_bounds():
@@ -335,7 +344,7 @@ def test_what_is_no_number_is_told_by_name(arguments, message):
 
 
 def test_wrong_guesses_and_settings_are_told():
-    with pytest.raises(ArgumentError, match="warm is no LcpResult"):
+    with pytest.raises(ArgumentError, match="warm is no array of numbers"):
         solve_lcp([[1.0]], [1.0], warm=["a"])
     with pytest.raises(ArgumentError, match="tolerance is None"):
         LcpSettings(tolerance=None)
