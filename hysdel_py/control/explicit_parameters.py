@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from hysdel_py.control.hybrid_mpc import HybridMpc
+from hysdel_py.control.law_signals import check_distinct
 from hysdel_py.control.ranges import onto_range
 from hysdel_py.errors import ArgumentError
 from hysdel_py.systems.signals import Variable
@@ -152,6 +153,7 @@ def choose_parameters(mpc: HybridMpc, box: Mapping[str, Any] | None, fixed: Mapp
         An unknown or doubtful name, a parameter without a bounded box, values that a variable cannot have.
     """
     candidates = tuple(_candidates(mpc))
+    check_distinct(tuple(candidate.name for candidate in candidates))
     boxes = _by_name(box, candidates, "box")
     values = _by_name(fixed, candidates, "fixed")
     twice = [name for name in boxes if name in values]

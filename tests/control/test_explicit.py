@@ -249,3 +249,10 @@ def test_wrong_calls_of_a_law():
     bare = hys.ExplicitLaw.of(hys.solve_mpqp(problem))
     with pytest.raises(hys.ArgumentError, match="call law"):
         bare.solve([0, 0])
+
+
+def test_a_state_named_like_a_last_input_is_refused():
+    delayed = hys.Lti([[0.9, 0.5], [0, 0]], [[0], [1]], [[1, 0]], x=("h", "flow(-1)"), u=("flow",), y=("level",))
+    mpc = hys.LinearMpc(delayed, "track", 3, limits=hys.LinearLimits(u=(-1, 1)))
+    with pytest.raises(hys.ArgumentError, match=r"two parameters of the law are called flow\(-1\)"):
+        hys.explicit(mpc, {"x": (-2, 2), "u": (-1, 1), "r": (-1, 1)})
