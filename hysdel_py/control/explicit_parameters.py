@@ -106,7 +106,10 @@ class Parameters:
                 what = f"{', '.join(strange)} is fixed" if strange else f"{', '.join(missing)} is missing"
                 raise ArgumentError(f"zeta: {what}; {', '.join(names)} were expected")
             zeta = [given[name] for name in names]
-        point = np.asarray(zeta, dtype=float)
+        try:
+            point = np.asarray(zeta, dtype=float)
+        except (TypeError, ValueError):
+            raise ArgumentError(f"zeta is {zeta!r}: {len(names)} numbers were expected, {', '.join(names)}") from None
         if point.shape != (len(names),):
             raise ArgumentError(f"zeta has shape {point.shape}: {(len(names),)} was expected, {', '.join(names)}")
         if not np.isfinite(point).all():

@@ -461,3 +461,9 @@ def test_with_an_invariant_set_every_later_step_has_a_plan(horizon, free, limits
                 move = mpc.solve(x, None, move.u)
                 assert move.ok, move.message
     assert with_plan > 5
+
+
+@pytest.mark.parametrize("gain", [[1.0], [[np.nan, 1.0]]])
+def test_a_wrong_gain_is_refused_where_no_plan_uses_it(gain):
+    with pytest.raises(hys.ArgumentError, match="gain has shape"):
+        hys.LinearMpc(INTEGRATOR, "regulator", 3, hys.LinearCost(gain=gain))
