@@ -322,9 +322,7 @@ class ExplicitLaw:
         try:
             point = np.asarray(zeta, dtype=float)
         except (TypeError, ValueError):
-            raise ArgumentError(
-                f"zeta is {zeta!r}: {self.p} numbers were expected, {', '.join(self.names)}"
-            ) from None
+            raise ArgumentError(f"zeta is {zeta!r}: {self.p} numbers were expected, {', '.join(self.names)}") from None
         if point.shape != (self.p,):
             raise ArgumentError(f"zeta has shape {point.shape}: {(self.p,)} was expected, {', '.join(self.names)}")
         if not np.isfinite(point).all():

@@ -37,7 +37,7 @@ def check_distinct(names: tuple[str, ...]) -> None:
     twice = dict.fromkeys(name for name in names if names.count(name) > 1)
     if twice:
         raise ArgumentError(
-            f"two parameters of the law are called {', '.join(twice)}: parameters with names of their own were expected; "
+            f"two parameters of the law are called {', '.join(twice)}: different names were expected; "
             "NAME(-1) is the input NAME applied last and r(NAME) the reference of NAME, so give states other names"
         )
 

@@ -246,3 +246,11 @@ def test_a_cost_that_no_input_changes(systems):
     law = hys.explicit(mpc)
     for x in (-3.0, 0.5, 7.0):
         assert law.value([x]) == pytest.approx(x * x)
+
+
+def test_settings_and_points_of_another_kind_are_named(systems):
+    controller = fold_controller(systems)
+    with pytest.raises(hys.ArgumentError, match="settings is a int: a MpMiqpSettings was expected"):
+        hys.explicit(controller, {"x": (0, 1)}, settings=3)
+    with pytest.raises(hys.ArgumentError, match="zeta is 'a'"):
+        hys.explicit(controller, {"x": (0, 1)})("a")
