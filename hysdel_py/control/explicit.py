@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any, Literal, cast
 from hysdel_py.control.explicit_law import ExplicitLaw
 from hysdel_py.control.hybrid_mpc import HybridMpc
 from hysdel_py.control.law_domain import Box, Fixed, domain_of, fixed_values, substitution
-from hysdel_py.control.law_signals import LawSignals, last_input_name, reference_name
+from hysdel_py.control.law_signals import LawSignals, check_distinct, last_input_name, reference_name
 from hysdel_py.control.linear_mpc import LinearMpc
 from hysdel_py.errors import ArgumentError
 
@@ -125,6 +125,7 @@ def parametric_controller(
 
 def _of_linear(controller: LinearMpc, box: Box, fixed: Fixed, move: MoveKind | None) -> ParametricController:
     signals = _signals(controller, move)
+    check_distinct(signals.names)
     signals = replace(signals, fixed=tuple(fixed_values(fixed, signals).items()))
     domain = domain_of(box, signals, _known_ranges(controller))
     chosen, offset = substitution(signals)

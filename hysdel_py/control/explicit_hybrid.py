@@ -76,6 +76,7 @@ def explicit_hybrid(
     """
     checked(mpc, HybridMpc, "controller")
     checked_callable(progress, "progress")
+    checked(MpMiqpSettings() if settings is None else settings, MpMiqpSettings, "settings")
     if not mpc.mld.nu:
         raise ArgumentError("the model has no inputs: there is nothing that a law could give")
     parameters = choose_parameters(mpc, box, fixed)

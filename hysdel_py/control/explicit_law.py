@@ -319,7 +319,10 @@ class ExplicitLaw:
         return bool(np.all(A @ point <= b + self.tolerance))
 
     def _point(self, zeta: ArrayLike) -> Vector:
-        point = np.asarray(zeta, dtype=float)
+        try:
+            point = np.asarray(zeta, dtype=float)
+        except (TypeError, ValueError):
+            raise ArgumentError(f"zeta is {zeta!r}: {self.p} numbers were expected, {', '.join(self.names)}") from None
         if point.shape != (self.p,):
             raise ArgumentError(f"zeta has shape {point.shape}: {(self.p,)} was expected, {', '.join(self.names)}")
         if not np.isfinite(point).all():

@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from hysdel_py.control.hybrid_mpc import HybridMpc
+from hysdel_py.control.law_signals import check_distinct
 from hysdel_py.control.ranges import onto_range
 from hysdel_py.errors import ArgumentError
 from hysdel_py.systems.signals import Variable
@@ -105,7 +106,10 @@ class Parameters:
                 what = f"{', '.join(strange)} is fixed" if strange else f"{', '.join(missing)} is missing"
                 raise ArgumentError(f"zeta: {what}; {', '.join(names)} were expected")
             zeta = [given[name] for name in names]
-        point = np.asarray(zeta, dtype=float)
+        try:
+            point = np.asarray(zeta, dtype=float)
+        except (TypeError, ValueError):
+            raise ArgumentError(f"zeta is {zeta!r}: {len(names)} numbers were expected, {', '.join(names)}") from None
         if point.shape != (len(names),):
             raise ArgumentError(f"zeta has shape {point.shape}: {(len(names),)} was expected, {', '.join(names)}")
         if not np.isfinite(point).all():
@@ -152,6 +156,7 @@ def choose_parameters(mpc: HybridMpc, box: Mapping[str, Any] | None, fixed: Mapp
         An unknown or doubtful name, a parameter without a bounded box, values that a variable cannot have.
     """
     candidates = tuple(_candidates(mpc))
+    check_distinct(tuple(candidate.name for candidate in candidates))
     boxes = _by_name(box, candidates, "box")
     values = _by_name(fixed, candidates, "fixed")
     twice = [name for name in boxes if name in values]

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import replace
+from math import isfinite, nan
+from typing import Any
 
 import numpy as np
 
@@ -31,9 +33,9 @@ def fix(law: ExplicitLaw, values: Mapping[str | int, float]) -> ExplicitLaw:
     Raises
     ------
     ArgumentError
-        An unknown parameter, or none left.
+        An unknown parameter, none left, or a value that the domain does not hold.
     """
-    given = {_position(law, name): float(value) for name, value in values.items()}
+    given = {_position(law, name): _number(value, name) for name, value in _mapping(values).items()}
     fixed = np.array(sorted(given), dtype=int)
     free = np.array([j for j in range(law.p) if j not in given], dtype=int)
     if not len(free):
@@ -43,6 +45,7 @@ def fix(law: ExplicitLaw, values: Mapping[str | int, float]) -> ExplicitLaw:
     kept = [(region, piece) for region, piece in pieces if piece is not None]
     A, b = _rows(law.domain.A, law.domain.b, free, fixed, at)
     real = np.linalg.norm(A, axis=1) > _SHORT
+    _check_inside(law, given, b[~real])
     regions = [region for region, _ in kept]
     K, k = law.K[regions], law.k[regions]
     P, q, r = _value(law, regions, free, fixed, at)
@@ -140,6 +143,29 @@ def _position(law: ExplicitLaw, name: str | int) -> int:
     if isinstance(name, int) and 0 <= name < law.p:
         return name
     raise ArgumentError(f"{name!r} is no parameter of the law: {', '.join(law.names)} were expected")
+
+
+def _mapping(values: Any) -> Mapping[str | int, Any]:
+    if not isinstance(values, Mapping):
+        raise ArgumentError(f"the values are {values!r}: a mapping of parameters to numbers was expected")
+    return values
+
+
+def _number(value: Any, name: str | int) -> float:
+    try:
+        number = float(value)
+    except (TypeError, ValueError):
+        number = nan
+    if not isfinite(number):
+        raise ArgumentError(f"{name} is {value!r}: a finite number was expected")
+    return number
+
+
+def _check_inside(law: ExplicitLaw, given: Mapping[int, float], sides: Vector) -> None:
+    """Refuse values beyond an end of the domain, where the law would say that there is no plan."""
+    if np.any(sides < -law.tolerance):
+        values = ", ".join(f"{law.names[j]} = {value:g}" for j, value in given.items())
+        raise ArgumentError(f"{values} lies outside the box of the law: a value inside was expected; widen the box")
 
 
 def _rows(A: Array, b: Vector, free: Array, fixed: Array, at: Vector) -> tuple[Array, Vector]:

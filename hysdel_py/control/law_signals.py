@@ -6,9 +6,10 @@ import json
 from dataclasses import asdict, dataclass
 from typing import Any
 
+from hysdel_py.errors import ArgumentError
 from hysdel_py.systems.signals import Kind, Type, Variable
 
-__all__ = ["LawSignals", "last_input_name", "read_signals", "reference_name", "signals_text"]
+__all__ = ["LawSignals", "check_distinct", "last_input_name", "read_signals", "reference_name", "signals_text"]
 
 
 def last_input_name(name: str) -> str:
@@ -19,6 +20,26 @@ def last_input_name(name: str) -> str:
 def reference_name(name: str) -> str:
     """Name of the parameter that carries a reference."""
     return f"r({name})"
+
+
+def check_distinct(names: tuple[str, ...]) -> None:
+    """Refuse parameters of one name, as a state that is called like an input applied last would give.
+
+    Parameters
+    ----------
+    names : tuple of str
+        Names of all parameters.
+
+    Raises
+    ------
+    ArgumentError
+    """
+    twice = dict.fromkeys(name for name in names if names.count(name) > 1)
+    if twice:
+        raise ArgumentError(
+            f"two parameters of the law are called {', '.join(twice)}: different names were expected; "
+            "NAME(-1) is the input NAME applied last and r(NAME) the reference of NAME, so give states other names"
+        )
 
 
 @dataclass(frozen=True, slots=True)

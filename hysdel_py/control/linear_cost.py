@@ -86,6 +86,8 @@ class LinearCost:
             return LinearWeights.tracking(
                 group(self.y, lti.y, "y", 1.0), group(self.du, lti.u, "du", DEFAULT_INPUT_WEIGHT)
             )
+        if not (self.gain is None or isinstance(self.gain, str)):
+            _gain_matrix(self.gain, lti)  # a wrong one is an error also where no plan uses it
         Q, R = group(self.x, lti.x, "x", 1.0), group(self.u, lti.u, "u", DEFAULT_INPUT_WEIGHT)
         P = self._terminal(models[-1], Q[-1], R[-1], tolerances)
         return LinearWeights(

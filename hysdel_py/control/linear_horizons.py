@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from operator import index
 from typing import Any
 
@@ -42,6 +42,16 @@ class Horizons:
     def input_times(self) -> range:
         """Times at which inputs and their increments are limited."""
         return range(self.inputs + 1)
+
+    def until_the_end(self, *, increments: bool) -> Horizons:
+        """Horizons with limits of inputs until an invariant set takes over, lest the next step have no plan.
+
+        Parameters
+        ----------
+        increments : bool
+            Whether the step from the last input to the first one of the gain is limited too.
+        """
+        return replace(self, inputs=self.steps - (0 if increments else 1))
 
 
 def choose_horizons(horizon: Any, control: Any, outputs: Any, inputs: Any, *, constrain_now: bool) -> Horizons:

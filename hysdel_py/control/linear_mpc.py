@@ -67,7 +67,8 @@ class LinearMpc:
     output_constraint_horizon : int, optional
         Ncy: last time at which limits of outputs and states count, N - 1 by default.
     input_constraint_horizon : int, optional
-        Ncu: last time at which limits of inputs and increments count, Nu - 1 by default.
+        Ncu: last time at which limits of inputs and increments count, Nu - 1 by default. With the terminal set
+        ``"invariant"`` N - 1, and N where increments are limited.
     constrain_first_output : bool
         Whether limits of outputs and states count at time 0 too. The measured state, which no input changes, decides
         those that hold no input of the same time.
@@ -145,6 +146,8 @@ class LinearMpc:
         weights = checked(LinearCost() if cost is None else cost, LinearCost, "cost")
         self.weights = with_cached_gain(weights.resolve(self.models, self.tracks, tolerances))
         self.limits = chosen.resolve(self.lti, self.horizons.steps)
+        if self.limits.invariant and input_constraint_horizon is None:
+            self.horizons = self.horizons.until_the_end(increments=self.limits.limits_increments)
         names = [self.lti.y[i].name for i in self.weights.tracked]
         self.references = choose_references(references, names, self.horizons.steps)
         self.terminal_set = terminal_set(self.models[-1], self.weights, self.limits, self.horizons, self.tracks)

@@ -40,7 +40,8 @@ def matrix(value: Any, what: str, rows: int | None = None, columns: int | None =
     if matrix.ndim == 1:
         matrix = matrix[:, None] if rows is not None else matrix[None]
     if matrix.ndim != 2 or (rows is not None and len(matrix) != rows):
-        raise ArgumentError(f"{what} has shape {matrix.shape}: a matrix of {rows} rows was expected, as A has {rows}")
+        expected = "a matrix was expected" if rows is None else f"a matrix of {rows} rows was expected, as A has {rows}"
+        raise ArgumentError(f"{what} has shape {matrix.shape}: {expected}")
     if columns is not None and matrix.shape[1] != columns:
         raise ArgumentError(f"{what} has shape {matrix.shape}: {columns} columns were expected, as A has {columns}")
     return matrix

@@ -40,7 +40,7 @@ def _of_model(system: Any, ts: float | None) -> float:
 
 
 def _of_toolbox(system: Any, ts: float | None) -> Lti:
-    form = _state_space(system)
+    form = _proper(system)
     A, B, C, D = (np.asarray(getattr(form, key), dtype=float) for key in "ABCD")
     names: dict[str, Any] = {key: tuple(getattr(system, f"{word}_labels", ())) for key, word in _LABELS.items()}
     dt = _time_base(system)
@@ -52,6 +52,16 @@ def _of_toolbox(system: Any, ts: float | None) -> Lti:
 
 
 _LABELS = {"x": "state", "u": "input", "y": "output"}
+
+
+def _proper(system: Any) -> Any:
+    try:
+        return _state_space(system)
+    except ValueError as error:
+        raise ArgumentError(
+            f"the system has no state-space form ({error}): a numerator of no higher degree than the denominator was "
+            "expected; add a fast pole"
+        ) from None
 
 
 def _state_space(system: Any) -> Any:

@@ -249,3 +249,30 @@ def test_wrong_calls_of_a_law():
     bare = hys.ExplicitLaw.of(hys.solve_mpqp(problem))
     with pytest.raises(hys.ArgumentError, match="call law"):
         bare.solve([0, 0])
+
+
+def test_a_state_named_like_a_last_input_is_refused():
+    delayed = hys.Lti([[0.9, 0.5], [0, 0]], [[0], [1]], [[1, 0]], x=("h", "flow(-1)"), u=("flow",), y=("level",))
+    mpc = hys.LinearMpc(delayed, "track", 3, limits=hys.LinearLimits(u=(-1, 1)))
+    with pytest.raises(hys.ArgumentError, match=r"two parameters of the law are called flow\(-1\)"):
+        hys.explicit(mpc, {"x": (-2, 2), "u": (-1, 1), "r": (-1, 1)})
+
+
+def test_a_free_move_that_changes_nothing_does_not_empty_the_law():
+    lti = hys.Lti([[0.8]], [[0.5]], x=("h",), u=("flow",), y=("level",))
+    mpc = hys.LinearMpc(lti, "track", 3, hys.LinearCost(du=0.0))  # the last increment acts on no output that counts
+    law = hys.explicit(mpc, {"x": (-2, 2), "u": (-1, 1), "r": (-1, 1)})
+    assert law.complete
+    assert law.count == 1
+    for zeta in ([1.5, 0.5, -1.0], [-2.0, 1.0, 0.3]):
+        move = mpc.solve(*split(mpc, np.array(zeta)))
+        assert law.solve(*split(mpc, np.array(zeta))).cost == pytest.approx(move.cost, abs=1e-8)
+        assert law(zeta) == pytest.approx(move.u - zeta[1], abs=1e-6)
+
+
+def test_a_program_whose_variables_change_nothing_has_a_law():
+    lti = hys.Lti([[0.8]], [[0.5]], x=("h",), u=("flow",), y=("level",))
+    mpc = hys.LinearMpc(lti, "track", 1, hys.LinearCost(du=0.0))
+    law = hys.explicit(mpc, {"x": (-2, 2), "u": (-1, 1), "r": (-1, 1)})
+    assert law.complete
+    assert law([1.0, 0.5, 0.5]) == 0

@@ -9,6 +9,7 @@ from scipy.optimize import linprog
 
 import hysdel_py as hys
 from hysdel_py.control.explicit_hybrid import explicit_hybrid
+from hysdel_py.control.explicit_parameters import choose_parameters
 from hysdel_py.control.hybrid_dominance import upper_bound
 from hysdel_py.control.hybrid_law import HybridLaw
 from hysdel_py.optimize.mpmiqp import MpMiqpSettings
@@ -246,3 +247,11 @@ def test_a_cost_that_no_input_changes(systems):
     law = hys.explicit(mpc)
     for x in (-3.0, 0.5, 7.0):
         assert law.value([x]) == pytest.approx(x * x)
+
+
+def test_settings_and_points_of_another_kind_are_named(systems):
+    controller = fold_controller(systems)
+    with pytest.raises(hys.ArgumentError, match="settings is a int: a MpMiqpSettings was expected"):
+        hys.explicit(controller, {"x": (0, 1)}, settings=3)
+    with pytest.raises(hys.ArgumentError, match="zeta is 'a'"):
+        choose_parameters(controller, {"x": (0, 1)}, None).point("a")

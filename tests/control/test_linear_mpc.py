@@ -441,3 +441,29 @@ def test_wrong_calls():
         mpc.solve([0, np.nan], [1.0], [0.0])
     with pytest.raises(hys.ArgumentError, match=r"the state has shape \(3,\)"):
         mpc.solve([0, 0, 0], [1.0], [0.0])
+
+
+@pytest.mark.parametrize(
+    ("horizon", "free", "limits", "start"),
+    [(5, 2, {"u": (-0.4, 0.4), "y": (-5, 5)}, (-4, 4)), (4, None, {"u": (-1, 1), "du": (-0.3, 0.3)}, (-5, 5))],
+)
+def test_with_an_invariant_set_every_later_step_has_a_plan(horizon, free, limits, start):
+    terminal = hys.LinearLimits(**limits, terminal="invariant", rho=np.inf)
+    mpc = hys.LinearMpc(INTEGRATOR, "regulator", horizon, limits=terminal, control_horizon=free)
+    assert mpc.horizons.inputs == horizon - (0 if "du" in limits else 1)
+    with_plan = 0
+    for pos in np.linspace(*start, 9):
+        for vel in np.linspace(-1.2, 1.2, 5):
+            x, move = np.array([pos, vel]), mpc.solve([pos, vel], None, [0.0])
+            with_plan += move.ok
+            for _ in range(4 * move.ok):
+                x = INTEGRATOR.A @ x + INTEGRATOR.B @ move.u
+                move = mpc.solve(x, None, move.u)
+                assert move.ok, move.message
+    assert with_plan > 5
+
+
+@pytest.mark.parametrize("gain", [[1.0], [[np.nan, 1.0]]])
+def test_a_wrong_gain_is_refused_where_no_plan_uses_it(gain):
+    with pytest.raises(hys.ArgumentError, match="gain has shape"):
+        hys.LinearMpc(INTEGRATOR, "regulator", 3, hys.LinearCost(gain=gain))

@@ -113,7 +113,7 @@ def test_formulas_leave_out_what_rounding_left():
         ({"trace": [1.0, 2.0]}, r"\(n, 2\)"),
         ({"trace": [[np.nan, 2.0]]}, "finite"),
         ({"section": {"speed": 1.0}}, "no parameter"),
-        ({"section": {"x1": 1e3}}, "meets no region"),
+        ({"section": {"x1": 1e3}}, "outside the box of the law"),
         ({"what": "move", "trace": [[0.0, 0.0]]}, "over a partition"),
     ],
 )

@@ -228,6 +228,16 @@ def test_python_control_itself():
     assert lti.simulate(np.zeros(lti.nx), np.ones(20)).y[:, 0] == pytest.approx(np.squeeze(response.y))
 
 
+def test_an_improper_transfer_function_is_refused():
+    with pytest.raises(hys.ArgumentError, match="no state-space form"):
+        hys.Lti.of(signal.TransferFunction([1, 0, 0], [1, 1]), ts=0.1)
+
+
+def test_a_stack_of_matrices_is_no_matrix():
+    with pytest.raises(hys.ArgumentError, match=r"A has shape \(1, 1, 1\): a matrix was expected$"):
+        hys.Lti(np.zeros((1, 1, 1)), 1)
+
+
 def test_a_missing_sample_time_and_strangers():
     with pytest.raises(hys.ArgumentError, match="ts is missing: the system is continuous"):
         hys.Lti.of(signal.StateSpace(A, B, C, D))

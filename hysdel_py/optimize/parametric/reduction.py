@@ -151,10 +151,11 @@ def _transformed(
     basis, offset = affine.basis, affine.offset
     H = basis.T @ problem.H @ basis
     linear = basis.T @ (_over_scaled(problem.f, problem.F, centre, half) + problem.H @ offset)
-    curved, flat = _curvature((H + H.T) / 2, settings)
+    G = problem.G @ basis
+    curved, level = _curvature((H + H.T) / 2, settings)
+    flat = _without_lines(level, G, linear)
     back = np.hstack([curved, flat])
     shift = -curved @ (curved.T @ linear)
-    G = problem.G @ basis
     sides = _over_scaled(problem.w, problem.S, centre, half) - problem.G @ offset - G @ shift
     M, b, rows, domain = _unit_rows(G @ back, sides, tight, np.linalg.norm(G, axis=1))
     own = _over_scaled(problem.theta.b, -problem.theta.A, centre, half)
@@ -182,6 +183,26 @@ def _curvature(H: Matrix, settings: MpQpSettings) -> tuple[Matrix, Matrix]:
     if real.all() and len(values):
         return np.asarray(np.linalg.solve(np.linalg.cholesky(H), np.eye(len(H))).T), np.zeros((len(H), 0))
     return vectors[:, real] / np.sqrt(values[real]), vectors[:, ~real]
+
+
+def _without_lines(level: Matrix, G: Matrix, linear: Matrix) -> Matrix:
+    """The flat directions that a row or the cost sees.
+
+    Along the others neither changes, so that the feasible set has no corners to begin at; z does not move along them.
+    """
+    seen = np.vstack([_relative(G), _relative(linear.T)]) @ level
+    size, Vt = np.linalg.svd(seen)[1:]
+    rank = int(np.sum(size > _UNSEEN))
+    return level if rank == level.shape[1] else np.asarray(level @ Vt[:rank].T)
+
+
+_UNSEEN = 1e-10
+"""A direction is not seen if rows of length one and a cost of size one change less along it."""
+
+
+def _relative(rows: Matrix) -> Matrix:
+    """Rows divided by the length of the greatest one."""
+    return np.asarray(rows / max(float(np.linalg.norm(rows, axis=1).max(initial=0.0)), 1e-300))
 
 
 def _unit_rows(
