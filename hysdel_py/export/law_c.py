@@ -14,12 +14,13 @@ from pathlib import Path
 from hysdel_py.control.explicit_law import ExplicitLaw
 from hysdel_py.errors import ArgumentError
 from hysdel_py.export.c_text import check_prefix, comment, float_text, guard, prefix_of, source_path
+from hysdel_py.export.law_choice import chosen_table
 from hysdel_py.export.law_c_code import evaluation, prototype
 from hysdel_py.export.law_c_tables import c_tables
 from hysdel_py.export.law_c_test import self_test
 from hysdel_py.export.law_number import Number
 from hysdel_py.export.law_points import replay_points
-from hysdel_py.export.law_table import LawTable, Method, law_table
+from hysdel_py.export.law_table import LawTable, Method
 from hysdel_py.version import __version__
 
 __all__ = ["LawCode", "law_to_c"]
@@ -49,9 +50,12 @@ class LawCode:
     regions, laws, planes, tests, depth : int
         Regions of the law, distinct laws of the moves, hyperplanes, tests of the tree and the most on one way.
     open_leaves : int
-        Leaves of the tree at which regions have to be tried, because the map has holes or notches there.
+        Leaves of the tree at which regions have to be tried, because the map has holes or notches there, or because the
+        growth of the tree was limited.
     points : int
         Points of the self-test.
+    reason : str
+        Why this method was taken.
     """
 
     files: tuple[Path, ...]
@@ -66,6 +70,7 @@ class LawCode:
     depth: int
     open_leaves: int
     points: int
+    reason: str = ""
 
 
 def law_to_c(
@@ -73,7 +78,7 @@ def law_to_c(
     path: str | PathLike[str],
     *,
     number: str = "double",
-    method: str = "tree",
+    method: str = "auto",
     prefix: str | None = None,
     units: Sequence[str] = (),
     moves: Sequence[str] = (),
@@ -92,7 +97,8 @@ def law_to_c(
         parameters and moves are integers too, and macros of the header hold their scale.
     method : str
         ``"tree"``: hyperplane tests lead to the law; ``"sequential"``: the regions are tried in turn, and a second
-        function tries the region of the step before first.
+        function tries the region of the step before first. ``"auto"`` takes the tree if size times rows evaluated at a
+        point is less, and otherwise the sequence; `LawCode.reason` has the figures.
     prefix : str, optional
         Of all names; by default the name of the file.
     units : sequence of str
@@ -118,7 +124,7 @@ def law_to_c(
     name = check_prefix(prefix) if prefix is not None else prefix_of(source)
     names = _labels(law.names, units, law.p, "units")
     move_names = _labels(tuple(f"u{i}" for i in range(law.moves)), moves, law.moves, "moves", replaced=True)
-    table = law_table(law, Number.of(number), Method.of(method))
+    table, reason = chosen_table(law, Number.of(number), Method.of(method))
     replay = replay_points(law, table.scaling, points, seed)
     tables = c_tables(table)
     legend = [*_legend(law, table, tables.bytes), "", *_signals(table, names, move_names)]
@@ -128,6 +134,7 @@ def law_to_c(
     return LawCode(
         (source, header), name, table.scaling.number.value, table.method.value, tables.bytes, law.count,
         len(table.maps), len(table.planes), len(table.tests), table.depth, len(table.leaves), len(replay.zeta),
+        reason,
     )  # fmt: skip
 
 

@@ -8,8 +8,9 @@ from pathlib import Path
 from typing import Any
 
 from hysdel_py.control.explicit_law import ExplicitLaw
+from hysdel_py.export.law_choice import chosen_table
 from hysdel_py.export.law_number import Number
-from hysdel_py.export.law_table import LawTable, Method, law_table
+from hysdel_py.export.law_table import LawTable, Method
 from hysdel_py.version import __version__
 
 __all__ = ["law_to_python"]
@@ -67,9 +68,9 @@ def _locate(point):
 """
 
 
-def law_to_python(law: ExplicitLaw, path: str | PathLike[str], *, method: str = "tree") -> Path:
+def law_to_python(law: ExplicitLaw, path: str | PathLike[str], *, method: str = "auto") -> Path:
     """Write a law as a module with ``law(zeta)``; see :meth:`ExplicitLaw.to_python`."""
-    table = law_table(law, Number.DOUBLE, Method.of(method))
+    table, _ = chosen_table(law, Number.DOUBLE, Method.of(method))
     target = Path(path)
     target.write_text("\n".join(_lines(law, table)), encoding="utf-8", newline="\n")
     return target
