@@ -23,7 +23,7 @@ from hysdel_py.export.law_points import replay_points
 from hysdel_py.export.law_table import LawTable, Method
 from hysdel_py.version import __version__
 
-__all__ = ["LawCode", "law_to_c"]
+__all__ = ["LawCode", "labels", "law_to_c", "write_lines"]
 
 _PROMISE = (
     "{0}_INSIDE and the move u of a point zeta of the map;",
@@ -122,15 +122,15 @@ def law_to_c(
     source = source_path(path)
     header = source.with_suffix(".h")
     name = check_prefix(prefix) if prefix is not None else prefix_of(source)
-    names = _labels(law.names, units, law.p, "units")
-    move_names = _labels(tuple(f"u{i}" for i in range(law.moves)), moves, law.moves, "moves", replaced=True)
+    names = labels(law.names, units, law.p, "units")
+    move_names = labels(tuple(f"u{i}" for i in range(law.moves)), moves, law.moves, "moves", replaced=True)
     table, reason = chosen_table(law, Number.of(number), Method.of(method))
     replay = replay_points(law, table.scaling, points, seed)
     tables = c_tables(table)
     legend = [*_legend(law, table, tables.bytes), "", *_signals(table, names, move_names)]
     code = [*tables.lines, "", *evaluation(table, name), *self_test(table, name, replay)]
-    _write(header, _header(table, name, legend))
-    _write(source, [*comment([legend[0]]), *_includes(header), "", *code])
+    write_lines(header, _header(table, name, legend))
+    write_lines(source, [*comment([legend[0]]), *_includes(header), "", *code])
     return LawCode(
         (source, header), name, table.scaling.number.value, table.method.value, tables.bytes, law.count,
         len(table.maps), len(table.planes), len(table.tests), table.depth, len(table.leaves), len(replay.zeta),
@@ -138,7 +138,7 @@ def law_to_c(
     )  # fmt: skip
 
 
-def _labels(
+def labels(
     names: tuple[str, ...], given: Sequence[str], count: int, what: str, *, replaced: bool = False
 ) -> tuple[str, ...]:
     """Names with units, or given labels in their place."""
@@ -211,5 +211,6 @@ def _includes(header: Path) -> Iterator[str]:
     yield "#include <stdint.h>"
 
 
-def _write(path: Path, lines: Sequence[str] | Iterator[str]) -> None:
+def write_lines(path: Path, lines: Sequence[str] | Iterator[str]) -> None:
+    """Write lines of a source."""
     path.write_text("\n".join(lines) + "\n", encoding="utf-8", newline="\n")

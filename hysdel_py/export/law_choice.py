@@ -48,7 +48,7 @@ def mean_rows(table: LawTable, points: Array) -> float:
     everywhere = np.arange(len(points))
     if table.method is Method.SEQUENTIAL:
         return float(_tried(table, range(len(table.regions)), values, everywhere)) / len(points)
-    total, held = _rows_of(table.hull, values, table.tolerance)
+    total, held = _rows_of(table.hull, values, table.tolerance, everywhere)
     count = int(total.sum())
     for point in np.flatnonzero(held).tolist():
         node = table.root
@@ -68,17 +68,19 @@ def _tried(table: LawTable, regions: Sequence[int], values: Array, points: NDArr
     for region in regions:
         if not len(open_points):
             break
-        rows, held = _rows_of(table.regions[region], values[:, open_points], table.tolerance)
+        rows, held = _rows_of(table.regions[region], values, table.tolerance, open_points)
         count += int(rows.sum())
         open_points = open_points[~held]
     return count
 
 
-def _rows_of(rows: Sequence[int], values: Array, tolerance: float) -> tuple[NDArray[np.int64], Flags]:
+def _rows_of(
+    rows: Sequence[int], values: Array, tolerance: float, points: NDArray[np.int64]
+) -> tuple[NDArray[np.int64], Flags]:
     """How many of some rows are evaluated at each point, and where all of them hold."""
     if not rows:
-        return np.zeros(values.shape[1], dtype=np.int64), np.ones(values.shape[1], dtype=bool)
+        return np.zeros(len(points), dtype=np.int64), np.ones(len(points), dtype=bool)
     numbers = np.array(rows)
-    fails = np.sign(numbers)[:, None] * values[np.abs(numbers) - 1] > tolerance
+    fails = np.sign(numbers)[:, None] * values[np.ix_(np.abs(numbers) - 1, points)] > tolerance
     held = ~fails.any(axis=0)
     return np.where(held, len(rows), np.argmax(fails, axis=0) + 1), held
