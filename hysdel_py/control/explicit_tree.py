@@ -119,9 +119,7 @@ def same_moves(law: ExplicitLaw, digits: int = 9) -> tuple[Hashable, ...]:
 class _Growth:
     """State of one construction."""
 
-    def __init__(
-        self, law: ExplicitLaw, groups: tuple[Hashable, ...], limits: TreeLimits, stack: RegionStack
-    ) -> None:
+    def __init__(self, law: ExplicitLaw, groups: tuple[Hashable, ...], limits: TreeLimits, stack: RegionStack) -> None:
         self.law, self.stack = law, stack
         self.planes = planes_of(law)
         numbers = {group: number for number, group in enumerate(dict.fromkeys(groups))}

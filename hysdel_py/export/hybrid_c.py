@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from os import PathLike
-from pathlib import Path
 
 from hysdel_py.control.hybrid_law import HybridLaw
 from hysdel_py.export.c_text import check_prefix, comment, guard, number_text, prefix_of, source_path

@@ -14,7 +14,7 @@ from hysdel_py.version import __version__
 
 __all__ = ["hybrid_to_python"]
 
-_CODE = '''
+_CODE = """
 def _locate(zeta):
     if any(zeta[place] not in (0.0, 1.0) for place in _BOOLEAN):
         return None
@@ -43,7 +43,7 @@ def _cost(row, point):
     for coefficient, number in zip(row[: -1 - size], products):
         total += coefficient * number
     return total
-'''
+"""
 
 
 def hybrid_to_python(law: HybridLaw, path: str | PathLike[str]) -> Path:

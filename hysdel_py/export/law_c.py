@@ -14,10 +14,10 @@ from pathlib import Path
 from hysdel_py.control.explicit_law import ExplicitLaw
 from hysdel_py.errors import ArgumentError
 from hysdel_py.export.c_text import check_prefix, comment, float_text, guard, prefix_of, source_path
-from hysdel_py.export.law_choice import chosen_table
 from hysdel_py.export.law_c_code import evaluation, prototype
 from hysdel_py.export.law_c_tables import c_tables
 from hysdel_py.export.law_c_test import self_test
+from hysdel_py.export.law_choice import chosen_table
 from hysdel_py.export.law_number import Number
 from hysdel_py.export.law_points import replay_points
 from hysdel_py.export.law_table import LawTable, Method

@@ -44,14 +44,14 @@ def _holds(row, point):
 '''
 """Text of ``law(zeta)``, which asks ``_locate`` for the number of a map and the point for it."""
 
-_AMONG = '''
+_AMONG = """
 def _among(regions, point):
     for region in regions:
         if all(_holds(row, point) for row in _REGIONS[region]):
             return _REGION_MAPS[region]
     return None
 
-'''
+"""
 _TREE = """
 def _locate(point):
     if not all(_holds(row, point) for row in _HULL):
