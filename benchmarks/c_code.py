@@ -210,9 +210,7 @@ def spot_check(dha: Dha, x: Array, u: Array, expected: list[Array], clear: NDArr
 
 def main() -> int:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument(
-        "names", nargs="*", metavar="NAME", help=f"laws (default {', '.join((*LAWS, *HYBRIDS))}) or models"
-    )
+    parser.add_argument("names", nargs="*", metavar="NAME", help="laws, hybrid laws or models; by default all")
     parser.add_argument("--points", type=int, default=1_000_000)
     parser.add_argument("--seed", type=int, default=0)
     options = parser.parse_args()

@@ -73,7 +73,8 @@ def _lists(name: str, lists: Sequence[Sequence[int]]) -> tuple[CTables | None, C
     if not lists:
         return None, None
     starts = list(accumulate(map(len, lists), initial=0))
-    return integers_table(f"{name}_start", "", starts), integers_table(
+    entries = (i for part in lists for i in part)
+    return integers_table(f"{name}_start", "", starts), integers_table(f"{name}_list", "", entries)
         f"{name}_list", "", (i for part in lists for i in part)
     )
 

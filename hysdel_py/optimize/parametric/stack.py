@@ -148,7 +148,7 @@ def _covered(
 
 
 @compiled
-def _holding(A: Any, b: Any, starts: Any, others: Any, point: Any, tolerance: float) -> int:
+def _holding(A: Any, b: Any, starts: Any, others: Any, point: Any, tolerance: float) -> Any:
     """The first of the polyhedra that holds a point, -1 if none does."""
     for i in others:
         holds = True
