@@ -75,8 +75,6 @@ def _lists(name: str, lists: Sequence[Sequence[int]]) -> tuple[CTables | None, C
     starts = list(accumulate(map(len, lists), initial=0))
     entries = (i for part in lists for i in part)
     return integers_table(f"{name}_start", "", starts), integers_table(f"{name}_list", "", entries)
-        f"{name}_list", "", (i for part in lists for i in part)
-    )
 
 
 def _table(declaration: str, texts: Sequence[str], size: int) -> CTables | None:
