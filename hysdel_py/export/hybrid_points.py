@@ -77,7 +77,7 @@ def _of_group(table: HybridTable, group: slice, theta: Array, margin: float) -> 
     values = 0.5 * np.einsum("kij,nj,ni->kn", law.P[regions], theta, theta) + law.q[regions] @ theta.T
     values = np.where(held, values + law.r[regions, None], np.inf)
     least = values.min(axis=0, initial=np.inf)
-    inside = held.any(axis=0)
+    inside = np.asarray(held.any(axis=0))
     size = np.where(inside, np.maximum(1.0, np.abs(least)), 1.0)
     best = values <= least + table.tie * size
     chosen = np.argmax(best & held, axis=0)
