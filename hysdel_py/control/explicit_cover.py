@@ -93,7 +93,7 @@ def _hull(law: ExplicitLaw, planes: Planes, stack: RegionStack) -> Ints:
 
 
 def _is_crossed(row: int, owner: int, stack: RegionStack) -> bool:
-    beyond = -stack.A[row : row + 1], np.asarray(-stack.b[row : row + 1] - _ROOM, dtype=float)
+    beyond: Rows = (np.negative(stack.A[row : row + 1]), np.subtract(-_ROOM, stack.b[row : row + 1]))
     return stack.any_meeting(np.delete(np.arange(len(stack.centres)), owner), beyond)
 
 

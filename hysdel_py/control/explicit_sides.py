@@ -45,7 +45,9 @@ class RegionStack:
     def __init__(self, law: ExplicitLaw) -> None:
         self.law = law
         self.settings = MpQpSettings()
-        self.A, self.b, self.starts = map(np.array, (law.A, law.b, law.starts))
+        self.A: Array = np.array(law.A)
+        self.b: Vector = np.array(law.b)
+        self.starts: Ints = np.array(law.starts)
         self.work = 0
 
     @cached_property
