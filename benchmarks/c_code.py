@@ -1,4 +1,4 @@
-"""Written C against Python at many random points: laws of tests/data/mpqp and all shipped models.
+"""Written C against Python at many random points: laws of tests/data/mpqp, hybrid laws, and all shipped models.
 
     python benchmarks/c_code.py [--points 1000000] [--seed 0] [NAME ...]
 
@@ -18,12 +18,18 @@ import tempfile
 from pathlib import Path
 
 import numpy as np
-from c_driver import CompiledLaw, CompiledPlant
+from c_driver import CompiledHybrid, CompiledLaw, CompiledPlant
+from explicit_hybrid import CASES
 from mpqp import problem
 from numpy.typing import NDArray
 
 import hysdel_py as hys
+from hysdel_py.control.explicit_hybrid import explicit_hybrid
 from hysdel_py.control.explicit_law import ExplicitLaw
+from hysdel_py.control.hybrid_law import HybridLaw
+from hysdel_py.export.hybrid_points import answers, random_zeta
+from hysdel_py.export.hybrid_table import hybrid_table
+from hysdel_py.export.law_number import Number
 from hysdel_py.export.plant_c import STATUS
 from hysdel_py.export.plant_points import violated
 from hysdel_py.optimize.mpqp import solve_mpqp
@@ -33,6 +39,7 @@ from hysdel_py.systems.formula import Connective, Formula
 from hysdel_py.systems.signals import Variable
 
 LAWS = ("a_di_N3", "a_di_N10", "f_thesis", "c_pend_N3", "b_ms2_N3", "d_afti_N2")
+HYBRIDS = ("two_tanks_N2", "two_tanks_N2_n1", "two_rooms_N1", "clutch_N1")
 CHUNK = 20_000
 Array = NDArray[np.float64]
 
@@ -72,6 +79,31 @@ def law_line(name: str, law: ExplicitLaw, method: str, number: str, points: Arra
     other = int(np.sum(near & (held != (status == 0))))
     text = f"| {name} | {method} | {number} | {held.mean():.2f} | {near.sum()} | {other} | {wrong} "
     return text + f"| {error[~near].max(initial=0.0):.1e} | {allowed:.1e} | {error.max():.1e} |", wrong
+
+
+def hybrid_law(name: str) -> HybridLaw:
+    """The explicit law of a case of explicit_hybrid.py."""
+    make, horizon, norm = CASES[name]
+    mpc, box, fixed = make(horizon, norm)
+    return explicit_hybrid(mpc, box, fixed=fixed)
+
+
+def hybrid_line(name: str, law: HybridLaw, number: str, count: int, seed: int, folder: Path) -> tuple[str, int]:
+    """The vectorised reference is itself compared with the law at some points."""
+    table = hybrid_table(law, Number(number))
+    zeta = random_zeta(law, count, np.random.default_rng(seed))
+    status, u, seconds = CompiledHybrid(law, folder / f"{name}_{number}.c", number)(zeta)
+    found = answers(table, zeta)
+    for point, inside, move in zip(zeta[:300], found.inside, found.u, strict=False):
+        expected = law(point)
+        assert (expected is not None) == inside
+        assert not inside or np.allclose(move, expected, atol=1e-9) or number == "float"
+    allowed = 2 * table.table.scaling.move_error(table.law.K[:, : len(law.u)], table.law.k[:, : len(law.u)]).max()
+    error = np.where(found.inside & (status == 0), np.abs(u - found.u).max(axis=1), 0.0)
+    wrong = int(np.sum(found.is_clear & (((status == 0) != found.inside) | (error > allowed))))
+    text = f"| {name} | {number} | {law.count} | {'no' if law.partition else 'yes'} | {found.inside.mean():.2f} "
+    text += f"| {np.sum(~found.is_clear)} | {wrong} | {error[found.is_clear].max(initial=0.0):.1e} | {allowed:.1e} "
+    return text + f"| {1e9 * seconds:.0f} |", wrong
 
 
 def values_of(form: Affine, values: dict[str, Array]) -> Array:
@@ -178,7 +210,7 @@ def spot_check(dha: Dha, x: Array, u: Array, expected: list[Array], clear: NDArr
 
 def main() -> int:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("names", nargs="*", metavar="NAME", help=f"laws (default {', '.join(LAWS)}) or models")
+    parser.add_argument("names", nargs="*", metavar="NAME", help="laws, hybrid laws or models; by default all")
     parser.add_argument("--points", type=int, default=1_000_000)
     parser.add_argument("--seed", type=int, default=0)
     options = parser.parse_args()
@@ -187,6 +219,8 @@ def main() -> int:
         return 0
     models = [name for name in options.names or hys.shipped_models() if name in hys.shipped_models()]
     laws = [name for name in options.names or LAWS if name not in models]
+    hybrids = [name for name in options.names or HYBRIDS if name in CASES]
+    laws = [name for name in laws if name not in hybrids]
     wrong = 0
     with tempfile.TemporaryDirectory() as folder:
         if models:
@@ -209,6 +243,16 @@ def main() -> int:
                     text, bad = law_line(name, law, method, number, points, Path(folder))
                     wrong += bad
                     print(text, flush=True)
+        if hybrids:
+            print("\n| hybrid law | number | regions | compared by value | inside share | near borders or ties | wrong "
+                  "| largest difference | bound | ns |")  # fmt: skip
+            print("|---" * 10 + "|")
+        for name in hybrids:
+            law = hybrid_law(name)
+            for number in ("double", "float"):
+                text, bad = hybrid_line(name, law, number, options.points, options.seed, Path(folder))
+                wrong += bad
+                print(text, flush=True)
     return int(wrong > 0)
 
 

@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hysdel_py.control.explicit_law import ExplicitLaw
+from hysdel_py.control.hybrid_law import HybridLaw
 from hysdel_py.export.law_c import LawCode
 from hysdel_py.export.law_number import Number, scaling_of
 from hysdel_py.export.plant_c import to_c
@@ -89,6 +90,29 @@ class CompiledLaw:
         self.many(*(a.ctypes.data_as(ctypes.c_void_p) for a in (raw, u, status)), ctypes.c_long(len(points)))
         seconds = (time.perf_counter() - started) / max(1, len(points))
         return status, u * self.scaling.unit, seconds
+
+
+@dataclass
+class CompiledHybrid:
+    """A hybrid law in double or float."""
+
+    law: HybridLaw
+    path: Path
+    number: str
+
+    def __post_init__(self) -> None:
+        code = self.law.to_c(self.path, number=self.number)
+        words = {"header": code.files[1].name, "raw": self.number, "move": self.number, "name": code.prefix,
+                 "p": len(self.law.names), "m": len(self.law.u), "last": "", "region": ""}  # fmt: skip
+        self.many = library(code.files[0], LAW_LOOP.format(**words)).many
+
+    def __call__(self, points: NDArray[np.float64]) -> tuple[NDArray[np.int32], NDArray[np.float64], float]:
+        """Status and move at each point, and seconds per point."""
+        raw, status = np.ascontiguousarray(points.astype(RAW[self.number])), np.zeros(len(points), dtype=np.int32)
+        u = np.zeros((len(points), len(self.law.u)), dtype=RAW[self.number])
+        started = time.perf_counter()
+        self.many(*(a.ctypes.data_as(ctypes.c_void_p) for a in (raw, u, status)), ctypes.c_long(len(points)))
+        return status, u.astype(float), (time.perf_counter() - started) / max(1, len(points))
 
 
 @dataclass

@@ -20,6 +20,7 @@ from hysdel_py.control.hybrid_certificate import HybridCertificate
 from hysdel_py.control.hybrid_law import HybridLaw
 from hysdel_py.control.hybrid_mpc import HybridMpc
 from hysdel_py.errors import ArgumentError
+from hysdel_py.export.c_text import source_path
 from hysdel_py.model import Model
 from hysdel_py.optimize.mpmiqp import MpMiqpSettings
 
@@ -36,6 +37,12 @@ references that have a --box, as in "r(level2)"; --ref fixes a reference, and ot
 compared with the controller at --samples random points.
 The exit status is 1 if the law is incomplete or differs from the controller.
 """
+
+
+_WRITERS = (
+    ("--c", "FILE.c", "write the law as C, with a header beside it"),
+    ("--python", "FILE.py", "write the law as a Python module that needs nothing but Python"),
+)
 
 
 def add_parser(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
@@ -57,6 +64,8 @@ def add_parser(commands: argparse._SubParsersAction[argparse.ArgumentParser]) ->
     ):
         parser.add_argument(option, metavar=metavar, action="append", default=[], help=f"{text}; may be repeated")
     parser.add_argument("--out", metavar="FILE.npz", help="write the law")
+    for option, name, text in _WRITERS:
+        parser.add_argument(option, metavar=name, help=text)
     parser.add_argument("--describe", action="store_true", help="print every region with its rows and moves")
     parser.add_argument("--workers", type=int, default=1, metavar="N", help="processes that search (default 1)")
     parser.add_argument("--time-limit", type=float, metavar="SECONDS", help="end the search after this (default none)")
@@ -77,6 +86,10 @@ def run(options: argparse.Namespace) -> int:
     law = _law(mpc, options)
     if options.out:
         law.save(options.out)
+    if options.c:
+        law.to_c(options.c)
+    if options.python:
+        law.to_python(options.python)
     certificate = law.certificate(mpc, options.samples, options.seed) if options.samples else None
     if options.json:
         print_json(_summary(law, certificate))
@@ -87,8 +100,11 @@ def run(options: argparse.Namespace) -> int:
 
 
 def _check(options: argparse.Namespace) -> None:
-    if options.out:
-        check_target(Path(options.out), "--out")
+    for option in ("out", "c", "python"):
+        if target := getattr(options, option):
+            check_target(Path(target), f"--{option}")
+    if options.c:
+        source_path(options.c)
     for name, least in (("workers", 1), ("samples", 0), ("seed", 0)):
         if getattr(options, name) < least:
             raise ArgumentError(f"--{name} is {getattr(options, name)}: a number of at least {least} was expected")

@@ -285,7 +285,7 @@ class ExplicitLaw:
 
         return law_to_c(self, path, **options)
 
-    def to_python(self, path: str | PathLike[str], *, method: str = "tree") -> Path:
+    def to_python(self, path: str | PathLike[str], *, method: str = "auto") -> Path:
         """Write the law as a Python module with ``law(zeta)`` that needs nothing but Python."""
         from hysdel_py.export.law_python import law_to_python
 

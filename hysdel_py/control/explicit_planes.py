@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hysdel_py.control.explicit_law import Array, ExplicitLaw, Vector
+from hysdel_py.optimize.parametric.facets import same_rows
 
 __all__ = ["Planes", "Rows", "planes_of"]
 
@@ -16,8 +17,8 @@ Rows = tuple[Array, Vector]
 _LEADING = 1e-9
 """The first entry of a row of unit length that is greater fixes its orientation."""
 
-_DIGITS = 8
-"""Rows that agree to so many digits are one hyperplane."""
+_SAME = 1e-8
+"""Rows whose entries differ by less are one hyperplane."""
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -55,9 +56,6 @@ def planes_of(law: ExplicitLaw) -> Planes:
     lead = np.array([row[np.flatnonzero(np.abs(row) > _LEADING)[0]] for row in law.A])
     signs = np.where(lead < 0, -1.0, 1.0)
     table = np.column_stack([law.A, -law.b]) * signs[:, None]
-    _, first, inverse = np.unique(np.round(table, _DIGITS) + 0.0, axis=0, return_index=True, return_inverse=True)
-    order = np.argsort(first, kind="stable")
-    rank = np.empty(len(order), dtype=np.int64)
-    rank[order] = np.arange(len(order))
-    chosen = table[first[order]]
-    return Planes(chosen[:, :-1].copy(), chosen[:, -1].copy(), rank[inverse.reshape(-1)], signs)
+    first = same_rows(table[:, :-1].copy(), table[:, -1].copy(), _SAME)
+    chosen, numbers = np.unique(first, return_inverse=True)
+    return Planes(table[chosen, :-1].copy(), table[chosen, -1].copy(), numbers.reshape(-1), signs)

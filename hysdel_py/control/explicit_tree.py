@@ -1,38 +1,64 @@
 """A balanced search tree over the regions of an explicit law.
 
-Each test is the hyperplane of a facet that splits the regions left over most evenly (P. Tøndel, T. A. Johansen and
-A. Bemporad, "Evaluation of piecewise affine control via binary search tree", Automatica 39, 2003). A region lies on
-one side of a hyperplane or on both; the second is decided by nearest-point problems.
+Each test is the hyperplane of a facet that splits the regions left over well (P. Tøndel, T. A. Johansen and A.
+Bemporad, "Evaluation of piecewise affine control via binary search tree", Automatica 39, 2003). A region lies on one
+side of a hyperplane or on both. Samples of the regions choose the hyperplanes that are examined and prove sides; what
+they leave open is decided by nearest-point problems. A limit on these problems and one on the tests end the
+growth; the leaves that are left then hold several regions.
 """
 
 from __future__ import annotations
 
 from collections.abc import Hashable
 from dataclasses import dataclass
+from heapq import heappop, heappush
 from itertools import pairwise
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from hysdel_py.control.explicit_law import ExplicitLaw, Vector
+from hysdel_py.control.explicit_law import Array, ExplicitLaw
 from hysdel_py.control.explicit_planes import Rows, planes_of
+from hysdel_py.control.explicit_sides import Ints, RegionStack
 from hysdel_py.geometry.search_tree import SearchTree, SearchTreeBuilder, Slot
-from hysdel_py.optimize.parametric.cover import point_inside
-from hysdel_py.optimize.parametric.settings import MpQpSettings
+from hysdel_py.optimize.parametric.splits import best_split
 
-__all__ = ["LawTree", "build_tree", "same_moves"]
+__all__ = ["LawTree", "TreeLimits", "build_tree", "same_moves"]
 
-Halves = tuple[list[int], list[int]]
-Cost = tuple[int, int, int]
+_NEAREST = 400
+"""Hyperplanes of facets nearest to the middle of the regions, among which those that split best are looked for."""
 
 _CANDIDATES = 24
-"""Hyperplanes examined at a node, those that split the centres most evenly."""
+"""Hyperplanes whose sides are guessed from samples, those that split the regions most evenly."""
 
 _EXAMINED = 6
-"""The best of them, for which the regions are cut with the cell of the node."""
+"""The best of them, for which sides are decided within the cell of the node."""
 
 _THIN = 1e-7
 """A region is on a side of a hyperplane if it holds points at this distance from it."""
+
+
+_Open = tuple[int, int, Slot, Ints, Rows]
+"""Key and number that order the leaves still to be split; place, regions and cell."""
+
+
+@dataclass(frozen=True, slots=True)
+class TreeLimits:
+    """Where the growth of a tree ends; the same on every machine.
+
+    Attributes
+    ----------
+    work : int
+        Nearest-point problems that are solved.
+    tests : int, optional
+        Tests of the tree; by default as many as the law has rows, but 64 at least.
+    entries : int, optional
+        Regions of all leaves together; by default three for each row, but 192 at least.
+    """
+
+    work: int = 500_000
+    tests: int | None = None
+    entries: int | None = None
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -46,11 +72,14 @@ class LawTree:
         Region of each leaf.
     members : tuple of tuple of int
         All regions that have points at each leaf; the target is the first of them.
+    is_cut : bool
+        Whether a limit ended the growth, so that leaves may hold more than one group.
     """
 
     tree: SearchTree
     targets: NDArray[np.int64]
     members: tuple[tuple[int, ...], ...]
+    is_cut: bool = False
 
     def locate(self, zeta: ArrayLike) -> int:
         """Region at the leaf of a point, -1 without a leaf; where no region holds the point, some region."""
@@ -58,7 +87,12 @@ class LawTree:
         return int(self.targets[leaf]) if leaf >= 0 else -1
 
 
-def build_tree(law: ExplicitLaw, groups: tuple[Hashable, ...] | None = None) -> LawTree:
+def build_tree(
+    law: ExplicitLaw,
+    groups: tuple[Hashable, ...] | None = None,
+    limits: TreeLimits | None = None,
+    stack: RegionStack | None = None,
+) -> LawTree:
     """Search tree of a law.
 
     Parameters
@@ -67,8 +101,12 @@ def build_tree(law: ExplicitLaw, groups: tuple[Hashable, ...] | None = None) -> 
     groups : tuple of hashable, optional
         One entry for each region; a leaf holds regions of one group. By default every region is its own group; with
         :func:`same_moves` a leaf holds one law of the moves, and the tree is smaller.
+    limits : TreeLimits, optional
+    stack : RegionStack, optional
+        That of the law, if it has been made before.
     """
-    return _Growth(law, groups or tuple(range(law.count))).grow()
+    every = groups or tuple(range(law.count))
+    return _Growth(law, every, limits or TreeLimits(), stack or RegionStack(law)).grow()
 
 
 def same_moves(law: ExplicitLaw, digits: int = 9) -> tuple[Hashable, ...]:
@@ -81,113 +119,66 @@ def same_moves(law: ExplicitLaw, digits: int = 9) -> tuple[Hashable, ...]:
 class _Growth:
     """State of one construction."""
 
-    def __init__(self, law: ExplicitLaw, groups: tuple[Hashable, ...]) -> None:
-        self.law = law
-        self.groups = groups
-        self.settings = MpQpSettings()
+    def __init__(self, law: ExplicitLaw, groups: tuple[Hashable, ...], limits: TreeLimits, stack: RegionStack) -> None:
+        self.law, self.stack = law, stack
         self.planes = planes_of(law)
-        self.centres = np.array([self._centre(region) for region in range(law.count)]).reshape(-1, law.p)
-        self.values = self.planes.normals @ self.centres.T + self.planes.offsets[:, None]
-        self.facets = [self.planes.numbers[a:b] for a, b in pairwise(law.starts.tolist())]
-        self.sides: dict[tuple[int, int], tuple[bool, bool]] = {}
+        numbers = {group: number for number, group in enumerate(dict.fromkeys(groups))}
+        self.groups = np.array([numbers[group] for group in groups], dtype=np.int64)
+        self.facets = [np.unique(self.planes.numbers[a:b]) for a, b in pairwise(law.starts.tolist())]
+        self.most_work = stack.work + limits.work
+        rows = max(64, len(law.b))
+        self.most_tests = rows if limits.tests is None else limits.tests
+        self.most_entries = 3 * rows if limits.entries is None else limits.entries
 
     def grow(self) -> LawTree:
-        planes, builder = self.planes, SearchTreeBuilder(self.law.p)
+        """Split the fullest leaf until none holds more than one group, nothing separates, or a limit is reached."""
+        builder, is_cut = SearchTreeBuilder(self.law.p), False
         members: list[tuple[int, ...]] = []
-        whole = np.zeros((0, self.law.p)), np.zeros(0)
-        pending: list[tuple[Slot, list[int], Rows]] = [(None, list(range(self.law.count)), whole)]
+        every = np.arange(self.law.count)
+        pending: list[_Open] = [(0, 0, None, every, (np.zeros((0, self.law.p)), np.zeros(0)))] if len(every) else []
+        tests, entered, entries = 0, 0, len(every)
         while pending:
-            slot, regions, path = pending.pop()
-            if not regions:
-                continue
-            best = None if self._alike(regions) else self._best(regions, path)
+            _, _, slot, regions, path = heappop(pending)
+            is_alike = self._kinds(regions) == 1
+            is_over = tests >= self.most_tests or entries >= self.most_entries or self.stack.work >= self.most_work
+            best = None if is_over or is_alike else self._best(regions, path)
             if best is None:
+                is_cut |= is_over and not is_alike
                 builder.leaf(slot)
-                members.append(tuple(regions))
+                members.append(tuple(regions.tolist()))
                 continue
-            number, (below, above) = best
-            first, second = builder.test(slot, planes.normals[number], float(planes.offsets[number]), 0.0)
-            pending += [
-                (second, above, planes.side(path, number, 1.0)),
-                (first, below, planes.side(path, number, -1.0)),
-            ]
+            number, halves = best
+            tests, entries = tests + 1, entries + sum(map(len, halves)) - len(regions)
+            slots = builder.test(slot, self.planes.normals[number], float(self.planes.offsets[number]), 0.0)
+            for half, side, sign in zip(halves, slots, (-1.0, 1.0), strict=True):
+                entered += 1
+                if len(half):
+                    heappush(pending, (-len(half), entered, side, half, self.planes.side(path, number, sign)))
         targets = np.array([regions[0] for regions in members], dtype=np.int64)
-        return LawTree(builder.build(), targets, tuple(members))
+        return LawTree(builder.build(), targets, tuple(members), is_cut)
 
-    def _alike(self, regions: list[int]) -> bool:
-        return self._kinds(regions) == 1
+    def _kinds(self, regions: Ints) -> int:
+        return len(np.unique(self.groups[regions]))
 
-    def _kinds(self, regions: list[int]) -> int:
-        return len({self.groups[region] for region in regions})
+    def _best(self, regions: Ints, path: Rows) -> tuple[int, tuple[Ints, Ints]] | None:
+        """The test of least cost, with the regions on its two sides; None if no test separates anything."""
+        stack, s = self.stack, self.stack.settings
+        inside = stack.inside(regions, path, _THIN)
+        numbers = self._candidates(regions, stack.representatives(regions, inside))
+        place, below, above, work = best_split(
+            stack.A, stack.b, stack.starts, stack.centres, stack.points, self.groups, regions, inside, *path,
+            self.planes.normals[numbers], self.planes.offsets[numbers], _CANDIDATES, _EXAMINED, _THIN, s.violation,
+            s.angle,
+        )  # fmt: skip
+        stack.work += int(work)
+        return None if place < 0 else (int(numbers[place]), (regions[below], regions[above]))
 
-    def _centre(self, region: int) -> Vector:
-        A, b = self.law.rows(region)
-        for margin in self.settings.margins:
-            point = point_inside((A, b), float(margin), self.settings)
-            if point is not None:
-                return point
-        return np.asarray(np.zeros(self.law.p))
-
-    def _best(self, regions: list[int], path: Rows) -> tuple[int, Halves] | None:
-        """The test that leaves the fewest groups on its fuller side; None if no test separates anything."""
-        numbers = self._candidates(regions)
-        found = self._separating(numbers[:_CANDIDATES], regions, path, _EXAMINED)
-        found = found or self._separating(numbers[_CANDIDATES:], regions, path, 1)
-        return min(found)[1:] if found else None
-
-    def _candidates(self, regions: list[int]) -> list[int]:
-        """Hyperplanes of facets of some regions, those first that split the centres most evenly."""
+    def _candidates(self, regions: Ints, middle: Array) -> Ints:
+        """Hyperplanes of facets of some regions, those first that split the regions most evenly."""
         numbers = np.unique(np.concatenate([self.facets[region] for region in regions]))
-        below = (self.values[numbers][:, regions] <= 0).sum(axis=1)
-        order = np.argsort(np.maximum(below, len(regions) - below), kind="stable")
-        return list(numbers[order].tolist())
-
-    def _separating(
-        self, numbers: list[int], regions: list[int], path: Rows, most: int
-    ) -> list[tuple[Cost, int, Halves]]:
-        """Tests that leave fewer regions on both sides, at most so many, the promising ones first."""
-        halves = [(number, self._halves(number, regions)) for number in numbers]
-        found: list[tuple[Cost, int, Halves]] = []
-        for _, number, pair in sorted((self._cost(pair), number, pair) for number, pair in halves):
-            exact = self._inside(number, pair, path)
-            if max(map(len, exact)) < len(regions):
-                found.append((self._cost(exact), number, exact))
-            if len(found) == most:
-                break
-        return found
-
-    def _cost(self, halves: Halves) -> Cost:
-        kinds = [self._kinds(half) for half in halves]
-        return max(kinds), sum(kinds), sum(map(len, halves))
-
-    def _halves(self, number: int, regions: list[int]) -> Halves:
-        """Regions with points on either side of a hyperplane, wherever it is."""
-        sides = [(region, self._sides(number, region)) for region in regions]
-        return [region for region, (low, _) in sides if low], [region for region, (_, high) in sides if high]
-
-    def _sides(self, number: int, region: int) -> tuple[bool, bool]:
-        """Whether a region has points on either side of a hyperplane; one side is that of its centre."""
-        key = number, region
-        if key not in self.sides:
-            is_below = bool(self.values[number, region] <= 0)
-            rows = self.planes.side(self.law.rows(region), number, 1.0 if is_below else -1.0, _THIN)
-            other = self._reaches(region, rows)
-            self.sides[key] = (is_below or other, not is_below or other)
-        return self.sides[key]
-
-    def _inside(self, number: int, halves: Halves, path: Rows) -> Halves:
-        """The halves without the regions whose points on that side lie outside the cell of the node."""
-        both = set(halves[0]) & set(halves[1])
-        cells = [self.planes.side(path, number, sign, _THIN) for sign in (-1.0, 1.0)]
-        below, above = (
-            [region for region in half if region not in both or self._meets(region, cell)]
-            for half, cell in zip(halves, cells, strict=True)
-        )
-        return below, above
-
-    def _meets(self, region: int, cell: Rows) -> bool:
-        A, b = self.law.rows(region)
-        return self._reaches(region, (np.vstack([A, cell[0]]), np.concatenate([b, cell[1]])))
-
-    def _reaches(self, region: int, rows: Rows) -> bool:
-        return point_inside(rows, 0.0, self.settings, self.centres[region]) is not None
+        normals, offsets = self.planes.normals, self.planes.offsets
+        if len(numbers) > _NEAREST:
+            distance = np.abs(normals[numbers] @ middle.mean(axis=0) + offsets[numbers])
+            numbers = numbers[np.sort(np.argsort(distance, kind="stable")[:_NEAREST])]
+        below = (normals[numbers] @ middle.T <= -offsets[numbers, None]).sum(axis=1)
+        return np.asarray(numbers[np.argsort(np.maximum(below, len(regions) - below), kind="stable")])

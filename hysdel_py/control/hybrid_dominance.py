@@ -105,7 +105,7 @@ class Region:
 
 def meet(one: Region, other: Region) -> bool:
     """Whether two regions have inner points in common."""
-    if np.any(one.low > other.high - _ROOM) or np.any(other.low > one.high - _ROOM):
+    if not _boxes_meet(one, other):
         return False
     return point_inside(_common(one.rows, other.rows), _ROOM, MpQpSettings()) is not None
 
@@ -113,11 +113,15 @@ def meet(one: Region, other: Region) -> bool:
 def is_never_best(region: Region, rivals: list[Region]) -> bool:
     """Whether rivals that are proven to be nowhere worse cover a region.
 
-    A few points of the region tell which rivals are worth a proof, those that hold most of them first, and that there
-    is no hope once no rival is left for one of the points.
+    Points of the region at which it wins end the question without any program. A few points tell which rivals are
+    worth a proof, those that hold most of them first, and that there is no hope once no rival is left for one of them.
     """
     settings = MpQpSettings()
-    left = _candidates(region, rivals)
+    points = _points(region)
+    near = [rival for rival in rivals if _boxes_meet(region, rival)]
+    if _wins_somewhere(region, near, points):
+        return False
+    left = _candidates(region, near, points)
     proven: list[Region] = []
     found = np.zeros(_SAMPLES + 1, dtype=bool)
     while left and np.logical_or.reduce([found, *(inside for _, inside in left)]).all():
@@ -131,11 +135,31 @@ def is_never_best(region: Region, rivals: list[Region]) -> bool:
     return False
 
 
-def _candidates(region: Region, rivals: list[Region]) -> list[tuple[Region, NDArray[np.bool_]]]:
+def _wins_somewhere(region: Region, rivals: list[Region], points: Matrix) -> bool:
+    """Whether at one of some points no rival that holds it is as good: nothing can cover the region then."""
+    beaten = np.zeros(len(points), dtype=bool)
+    most = _up_to_a_tie(region.value(points))
+    for rival in rivals:
+        N, h = rival.rows
+        left = np.flatnonzero(~beaten)
+        if not len(left):
+            return False
+        inside = np.all(points[left] @ N.T <= h + _ROOM, axis=1)
+        beaten[left] = inside & (rival.value(points[left]) <= most[left])
+    return not bool(beaten.all())
+
+
+def _up_to_a_tie(values: Vector) -> Vector:
+    return np.asarray(values + TIE * np.maximum(1.0, np.abs(values)))
+
+
+def _boxes_meet(one: Region, other: Region) -> bool:
+    return not (np.any(one.low > other.high - _ROOM) or np.any(other.low > one.high - _ROOM))
+
+
+def _candidates(region: Region, rivals: list[Region], points: Matrix) -> list[tuple[Region, NDArray[np.bool_]]]:
     """Rivals that are nowhere worse at some points, and which of the points they hold."""
-    points = _points(region)
-    most = region.value(points)
-    most = most + TIE * np.maximum(1.0, np.abs(most))
+    most = _up_to_a_tie(region.value(points))
     found = []
     for rival in rivals:
         N, h = rival.rows

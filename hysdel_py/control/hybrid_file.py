@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import asdict
 from os import PathLike
 from typing import Any
@@ -12,6 +12,7 @@ from zipfile import BadZipFile
 import numpy as np
 
 from hysdel_py.control.explicit_file import law_arrays, law_of_arrays
+from hysdel_py.control.explicit_law import ExplicitLaw
 from hysdel_py.control.explicit_parameters import Parameter, Parameters
 from hysdel_py.control.hybrid_law import HybridLaw
 from hysdel_py.control.hybrid_sequences import SearchReport, SequenceLaw
@@ -19,7 +20,7 @@ from hysdel_py.control.references import References
 from hysdel_py.errors import ArgumentError
 from hysdel_py.systems.signals import Kind, Type, Variable
 
-__all__ = ["load_hybrid", "save_hybrid"]
+__all__ = ["head_of", "law_of", "load_hybrid", "save_hybrid"]
 
 _FORMAT = "hybrid 1"
 _PLAIN = ("switches", "horizon", "norm", "exact", "complete", "partition", "sample_time")
@@ -37,7 +38,12 @@ def _content(law: HybridLaw) -> dict[str, Any]:
         for number, sequence in enumerate(law.sequences)
         for name, value in law_arrays(sequence.law).items()
     }
-    head = {name: getattr(law, name) for name in _PLAIN} | {
+    return {"format": np.array(_FORMAT), "head": np.array(json.dumps(head_of(law)))} | arrays
+
+
+def head_of(law: HybridLaw) -> dict[str, Any]:
+    """Plain data of everything but the laws of the sequences."""
+    return {name: getattr(law, name) for name in _PLAIN} | {
         "words": [sequence.word for sequence in law.sequences],
         "parameters": [asdict(parameter) for parameter in law.parameters.every],
         "report": asdict(law.report),
@@ -45,7 +51,6 @@ def _content(law: HybridLaw) -> dict[str, Any]:
         "x": [_variable(v) for v in law.x],
         "u": [_variable(v) for v in law.u],
     }
-    return {"format": np.array(_FORMAT), "head": np.array(json.dumps(head))} | arrays
 
 
 def _variable(v: Variable) -> dict[str, Any]:
@@ -76,6 +81,11 @@ def _law(content: Mapping[str, Any]) -> HybridLaw:
         law_of_arrays({name.partition("/")[2]: value for name, value in content.items() if name.startswith(f"{k}/")})
         for k in range(len(head["words"]))
     ]
+    return law_of(head, laws)
+
+
+def law_of(head: Mapping[str, Any], laws: Sequence[ExplicitLaw]) -> HybridLaw:
+    """The law of the data that :func:`head_of` gives, and the laws of its sequences."""
     return HybridLaw(
         **{name: head[name] for name in _PLAIN if name != "switches"},
         switches=tuple(head["switches"]),

@@ -6,8 +6,9 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property
 from os import PathLike
+from pathlib import Path
 from time import perf_counter
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -24,6 +25,7 @@ from hysdel_py.systems.signals import Variable, as_vector
 if TYPE_CHECKING:
     from hysdel_py.control.hybrid_certificate import HybridCertificate
     from hysdel_py.control.hybrid_mpc import HybridMpc
+    from hysdel_py.export.law_c import LawCode
 
 __all__ = ["HybridLaw", "Place", "SearchReport", "SequenceLaw"]
 
@@ -223,6 +225,31 @@ class HybridLaw:
         from hysdel_py.control.hybrid_file import load_hybrid
 
         return load_hybrid(path)
+
+    def to_c(self, path: str | PathLike[str], **options: Any) -> LawCode:
+        """Write the law as C99, a source and a header beside it; options as for :func:`hybrid_to_c`."""
+        from hysdel_py.export.hybrid_c import hybrid_to_c
+
+        return hybrid_to_c(self, path, **options)
+
+    def to_python(self, path: str | PathLike[str]) -> Path:
+        """Write the law as a Python module with ``law(zeta)`` that needs nothing but Python."""
+        from hysdel_py.export.hybrid_python import hybrid_to_python
+
+        return hybrid_to_python(self, path)
+
+    def to_json(self, path: str | PathLike[str]) -> None:
+        """Write the law as JSON."""
+        from hysdel_py.export.hybrid_json import write_hybrid_json
+
+        write_hybrid_json(self, path)
+
+    @classmethod
+    def from_json(cls, path: str | PathLike[str]) -> HybridLaw:
+        """Read a law from a JSON file; it equals the one that was written."""
+        from hysdel_py.export.hybrid_json import read_hybrid_json
+
+        return read_hybrid_json(path)
 
     def describe(self, regions: bool = False) -> str:
         """The law as text: sizes, parameters, sequences; with `regions` also rows and moves of each region."""

@@ -7,7 +7,7 @@ by a quadric; regions stay whole, and one is removed if others that are proven t
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 from typing import Any
 
@@ -23,7 +23,7 @@ from hysdel_py.geometry.polyhedron import Polyhedron
 from hysdel_py.optimize.parametric.cover import Rows, parts_outside, point_inside
 from hysdel_py.optimize.parametric.settings import MpQpSettings
 
-__all__ = ["as_single", "without_overlaps"]
+__all__ = ["as_single", "joined", "without_overlaps"]
 
 Vector = NDArray[np.float64]
 
@@ -56,6 +56,11 @@ def as_single(law: HybridLaw, booleans: Mapping[str, float]) -> ExplicitLaw:
     laws = [sequence.law for sequence in law.sequences if sequence.word[: len(word)] == word]
     if not laws:
         raise ArgumentError("no sequence has a region for these values of the Boolean parameters")
+    return replace(joined(laws), complete=law.complete)
+
+
+def joined(laws: Sequence[ExplicitLaw]) -> ExplicitLaw:
+    """The regions of several laws over the same parameters one after another, overlaps included."""
     offsets = np.cumsum([0, *(len(part.b) for part in laws)])
     starts = [part.starts[:-1] + offset for part, offset in zip(laws, offsets[:-1], strict=True)]
     joined: dict[str, Any] = {name: np.concatenate([getattr(part, name) for part in laws]) for name in "AbKkPqr"}
@@ -64,7 +69,7 @@ def as_single(law: HybridLaw, booleans: Mapping[str, float]) -> ExplicitLaw:
         **joined,
         starts=np.concatenate([*starts, offsets[-1:]]),
         active=tuple(rows for part in laws for rows in part.active),
-        complete=law.complete,
+        complete=all(part.complete for part in laws),
     )
 
 

@@ -17,12 +17,13 @@ from hysdel_py.export.c_text import check_prefix, comment, float_text, guard, pr
 from hysdel_py.export.law_c_code import evaluation, prototype
 from hysdel_py.export.law_c_tables import c_tables
 from hysdel_py.export.law_c_test import self_test
+from hysdel_py.export.law_choice import chosen_table
 from hysdel_py.export.law_number import Number
 from hysdel_py.export.law_points import replay_points
-from hysdel_py.export.law_table import LawTable, Method, law_table
+from hysdel_py.export.law_table import LawTable, Method
 from hysdel_py.version import __version__
 
-__all__ = ["LawCode", "law_to_c"]
+__all__ = ["LawCode", "labels", "law_to_c", "write_lines"]
 
 _PROMISE = (
     "{0}_INSIDE and the move u of a point zeta of the map;",
@@ -49,9 +50,12 @@ class LawCode:
     regions, laws, planes, tests, depth : int
         Regions of the law, distinct laws of the moves, hyperplanes, tests of the tree and the most on one way.
     open_leaves : int
-        Leaves of the tree at which regions have to be tried, because the map has holes or notches there.
+        Leaves of the tree at which regions have to be tried, because the map has holes or notches there, or because the
+        growth of the tree was limited.
     points : int
         Points of the self-test.
+    reason : str
+        Why this method was taken.
     """
 
     files: tuple[Path, ...]
@@ -66,6 +70,7 @@ class LawCode:
     depth: int
     open_leaves: int
     points: int
+    reason: str = ""
 
 
 def law_to_c(
@@ -73,7 +78,7 @@ def law_to_c(
     path: str | PathLike[str],
     *,
     number: str = "double",
-    method: str = "tree",
+    method: str = "auto",
     prefix: str | None = None,
     units: Sequence[str] = (),
     moves: Sequence[str] = (),
@@ -92,7 +97,8 @@ def law_to_c(
         parameters and moves are integers too, and macros of the header hold their scale.
     method : str
         ``"tree"``: hyperplane tests lead to the law; ``"sequential"``: the regions are tried in turn, and a second
-        function tries the region of the step before first.
+        function tries the region of the step before first. ``"auto"`` takes the tree if size times rows evaluated at a
+        point is less, and otherwise the sequence; `LawCode.reason` has the figures.
     prefix : str, optional
         Of all names; by default the name of the file.
     units : sequence of str
@@ -116,22 +122,23 @@ def law_to_c(
     source = source_path(path)
     header = source.with_suffix(".h")
     name = check_prefix(prefix) if prefix is not None else prefix_of(source)
-    names = _labels(law.names, units, law.p, "units")
-    move_names = _labels(tuple(f"u{i}" for i in range(law.moves)), moves, law.moves, "moves", replaced=True)
-    table = law_table(law, Number.of(number), Method.of(method))
+    names = labels(law.names, units, law.p, "units")
+    move_names = labels(tuple(f"u{i}" for i in range(law.moves)), moves, law.moves, "moves", replaced=True)
+    table, reason = chosen_table(law, Number.of(number), Method.of(method))
     replay = replay_points(law, table.scaling, points, seed)
     tables = c_tables(table)
     legend = [*_legend(law, table, tables.bytes), "", *_signals(table, names, move_names)]
     code = [*tables.lines, "", *evaluation(table, name), *self_test(table, name, replay)]
-    _write(header, _header(table, name, legend))
-    _write(source, [*comment([legend[0]]), *_includes(header), "", *code])
+    write_lines(header, _header(table, name, legend))
+    write_lines(source, [*comment([legend[0]]), *_includes(header), "", *code])
     return LawCode(
         (source, header), name, table.scaling.number.value, table.method.value, tables.bytes, law.count,
         len(table.maps), len(table.planes), len(table.tests), table.depth, len(table.leaves), len(replay.zeta),
+        reason,
     )  # fmt: skip
 
 
-def _labels(
+def labels(
     names: tuple[str, ...], given: Sequence[str], count: int, what: str, *, replaced: bool = False
 ) -> tuple[str, ...]:
     """Names with units, or given labels in their place."""
@@ -204,5 +211,6 @@ def _includes(header: Path) -> Iterator[str]:
     yield "#include <stdint.h>"
 
 
-def _write(path: Path, lines: Sequence[str] | Iterator[str]) -> None:
+def write_lines(path: Path, lines: Sequence[str] | Iterator[str]) -> None:
+    """Write lines of a source."""
     path.write_text("\n".join(lines) + "\n", encoding="utf-8", newline="\n")

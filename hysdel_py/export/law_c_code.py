@@ -8,7 +8,7 @@ from hysdel_py.export.c_text import number_text
 from hysdel_py.export.law_number import Number
 from hysdel_py.export.law_table import LawTable, Method
 
-__all__ = ["evaluation", "prototype"]
+__all__ = ["evaluation", "prototype", "shared_functions"]
 
 _VALUE = """
 static {sum} value(const {number} *zeta, long plane)
@@ -155,6 +155,14 @@ def evaluation(table: LawTable, name: str) -> Iterator[str]:
             f"    {{\n        *region = -1;\n        return {name.upper()}_OUTSIDE;\n    }}\n", table
         )
     for part in parts:
+        yield from part.format(**words).removeprefix("\n").removesuffix("\n").split("\n")
+        yield ""
+
+
+def shared_functions(table: LawTable, name: str) -> Iterator[str]:
+    """Lines of the functions that tell the side of a row, whether a region holds a point, and its move."""
+    words = _words(table, name)
+    for part in (_VALUE, _HOLDS, _REGION, _MOVE):
         yield from part.format(**words).removeprefix("\n").removesuffix("\n").split("\n")
         yield ""
 

@@ -9,7 +9,7 @@ from itertools import accumulate
 from hysdel_py.export.c_text import array, index_type, number_text
 from hysdel_py.export.law_table import LawTable
 
-__all__ = ["CTables", "c_tables"]
+__all__ = ["CTables", "c_tables", "combined", "integers_table", "numbers_table"]
 
 
 @dataclass(frozen=True, slots=True)
@@ -30,16 +30,21 @@ def c_tables(table: LawTable) -> CTables:
     """All tables of a law."""
     number = table.scaling.number
     parts = [
-        _numbers("planes", f"[{table.p + 1}]", table.planes.tolist(), number.c_type, number.bytes),
-        _numbers("maps", f"[{table.moves * (table.p + 1)}]", table.maps.reshape(len(table.maps), -1).tolist(),
+        numbers_table("planes", f"[{table.p + 1}]", table.planes.tolist(), number.c_type, number.bytes),
+        numbers_table("maps", f"[{table.moves * (table.p + 1)}]", table.maps.reshape(len(table.maps), -1).tolist(),
                  number.c_type, number.bytes),
-        _integers("test_plane", "", [test[0] for test in table.tests]),
-        _integers("test_child", "[2]", [child for test in table.tests for child in test[1:]]),
-        _integers("hull", "", table.hull),
+        integers_table("test_plane", "", [test[0] for test in table.tests]),
+        integers_table("test_child", "[2]", [child for test in table.tests for child in test[1:]]),
+        integers_table("hull", "", table.hull),
         *_lists("region", table.regions),
-        _integers("region_map", "", table.region_maps),
+        integers_table("region_map", "", table.region_maps),
         *_lists("leaf", table.leaves),
     ]  # fmt: skip
+    return combined(parts)
+
+
+def combined(parts: Iterable[CTables | None]) -> CTables:
+    """Tables behind each other."""
     found = [part for part in parts if part is not None]
     return CTables(
         tuple(line for part in found for line in part.lines),
@@ -47,12 +52,14 @@ def c_tables(table: LawTable) -> CTables:
     )
 
 
-def _numbers(name: str, width: str, rows: Sequence[Sequence[float]], c_type: str, size: int) -> CTables | None:
+def numbers_table(name: str, width: str, rows: Sequence[Sequence[float]], c_type: str, size: int) -> CTables | None:
+    """A table of rows of numbers that take so many bytes each."""
     texts = ["{" + ", ".join(number_text(value, c_type) for value in row) + "}" for row in rows]
     return _table(f"{c_type} {name}[{len(rows)}]{width}", texts, size * sum(map(len, rows)))
 
 
-def _integers(name: str, width: str, values: Iterable[int]) -> CTables | None:
+def integers_table(name: str, width: str, values: Iterable[int]) -> CTables | None:
+    """A table of integers, of the smallest type that holds them."""
     numbers = list(values)
     c_type, size = index_type(numbers)
     texts = list(map(str, numbers))
@@ -66,7 +73,8 @@ def _lists(name: str, lists: Sequence[Sequence[int]]) -> tuple[CTables | None, C
     if not lists:
         return None, None
     starts = list(accumulate(map(len, lists), initial=0))
-    return _integers(f"{name}_start", "", starts), _integers(f"{name}_list", "", (i for part in lists for i in part))
+    entries = (i for part in lists for i in part)
+    return integers_table(f"{name}_start", "", starts), integers_table(f"{name}_list", "", entries)
 
 
 def _table(declaration: str, texts: Sequence[str], size: int) -> CTables | None:

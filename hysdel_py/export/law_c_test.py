@@ -47,24 +47,24 @@ def self_test(table: LawTable, name: str, replay: ReplayPoints) -> Iterator[str]
     yield f"#ifdef {name.upper()}_SELF_TEST"
     yield "#include <stdio.h>"
     yield ""
-    yield from array(f"{kind} replay_zeta[{len(zeta)}][{table.p}]", [_row(row, number.is_fixed) for row in zeta])
+    yield from array(f"{kind} replay_zeta[{len(zeta)}][{zeta.shape[1]}]", [_row(row, number.is_fixed) for row in zeta])
     moves = np.nan_to_num(replay.u)
     yield from array(f"double replay_u[{len(moves)}][{table.moves}]", [_row(row, False) for row in moves])
     yield from array(f"unsigned char replay_inside[{len(inside)}]", [str(int(flag)) for flag in inside])
     yield from array(f"double replay_tolerance[{table.moves}]", [float_text(value) for value in replay.tolerance])
     words = {"name": name, "upper": name.upper(), "count": str(len(zeta)), "moves": str(table.moves)}
-    words |= _loading(table, name)
+    words |= _loading(table, name, zeta.shape[1])
     yield from _MAIN.format(**words).removesuffix("\n").split("\n")
     yield "#endif"
 
 
-def _loading(table: LawTable, name: str) -> dict[str, str]:
+def _loading(table: LawTable, name: str, p: int) -> dict[str, str]:
     number = table.scaling.number
     if number.is_fixed:
         load = f"        static const double unit[{table.moves}] = {name.upper()}_UNIT;\n"
         load += f"        const {number.c_type} *zeta = replay_zeta[k];\n"
         return {"result": "int32_t", "load": load, "value": "unit[i] * u[i]"}
-    load = f"        {number.c_type} zeta[{table.p}];\n        for (i = 0; i < {table.p}; i++)\n"
+    load = f"        {number.c_type} zeta[{p}];\n        for (i = 0; i < {p}; i++)\n"
     load += f"            zeta[i] = ({number.c_type})replay_zeta[k][i];\n"
     return {"result": number.c_type, "load": load, "value": "(double)u[i]"}
 

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from hysdel_py.control.explicit_cover import cover_of
 from hysdel_py.control.explicit_law import ExplicitLaw
 from hysdel_py.control.explicit_planes import Planes, planes_of
+from hysdel_py.control.explicit_sides import RegionStack
 from hysdel_py.control.explicit_tree import build_tree, same_moves
 from hysdel_py.errors import ArgumentError
 from hysdel_py.export.law_number import Number, Scaling, scaling_of
@@ -26,6 +27,7 @@ Ints = tuple[int, ...]
 class Method(Enum):
     """How the law of a point is found."""
 
+    AUTO = "auto"
     TREE = "tree"
     SEQUENTIAL = "sequential"
 
@@ -41,7 +43,7 @@ class Method(Enum):
         try:
             return cls(name)
         except ValueError:
-            raise ArgumentError(f"method is {name!r}: tree or sequential was expected") from None
+            raise ArgumentError(f"method is {name!r}: auto, tree or sequential was expected") from None
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -74,6 +76,8 @@ class LawTable:
         Value up to which a row holds.
     depth : int
         Greatest number of tests, 0 without a tree.
+    is_cut : bool
+        Whether the growth of the tree was limited.
     """
 
     method: Method
@@ -88,6 +92,7 @@ class LawTable:
     region_maps: Ints
     tolerance: float
     depth: int = 0
+    is_cut: bool = False
 
     @property
     def p(self) -> int:
@@ -101,7 +106,7 @@ class LawTable:
 
 
 def law_table(law: ExplicitLaw, number: Number, method: Method) -> LawTable:
-    """Tables of a law.
+    """Tables of a law for one of the methods TREE and SEQUENTIAL.
 
     Raises
     ------
@@ -127,6 +132,7 @@ def law_table(law: ExplicitLaw, number: Number, method: Method) -> LawTable:
         region_maps=tuple(kind_of[region] for region in walk.regions),
         tolerance=scaling.slack(table) + (0.0 if number.is_fixed else law.tolerance),
         depth=walk.depth,
+        is_cut=walk.is_cut,
     )  # fmt: skip
 
 
@@ -140,6 +146,7 @@ class _Walk:
     leaves: tuple[Ints, ...] = ()
     regions: Ints = ()
     depth: int = 0
+    is_cut: bool = False
 
 
 def _distinct(law: ExplicitLaw) -> tuple[list[int], list[int]]:
@@ -151,8 +158,9 @@ def _distinct(law: ExplicitLaw) -> tuple[list[int], list[int]]:
 
 
 def _tree(law: ExplicitLaw, planes: Planes, kind_of: list[int], kinds: int) -> _Walk:
-    tree = build_tree(law, tuple(kind_of))
-    cover = cover_of(law, planes, tree)
+    stack = RegionStack(law)
+    tree = build_tree(law, tuple(kind_of), stack=stack)
+    cover = cover_of(law, planes, tree, stack)
     mixed = [len({kind_of[region] for region in members}) > 1 for members in tree.members]
     open_leaves = np.flatnonzero(cover.is_open | np.array(mixed)).tolist()
     regions = sorted({region for leaf in open_leaves for region in tree.members[leaf]})
@@ -174,6 +182,7 @@ def _tree(law: ExplicitLaw, planes: Planes, kind_of: list[int], kinds: int) -> _
         leaves=tuple(tuple(place[region] for region in tree.members[leaf]) for leaf in open_leaves),
         regions=tuple(regions),
         depth=tree.tree.depth,
+        is_cut=tree.is_cut,
     )
 
 

@@ -20,6 +20,15 @@ def test_summary_and_file(hysdel, tmp_path):
     assert "r(y) = 3 (fixed)" in shown.out
 
 
+def test_code_is_written(hysdel, tmp_path):
+    shown = hysdel(*TO_THREE, "--c", str(tmp_path / "law.c"), "--python", str(tmp_path / "law.py"))
+    assert (shown.status, shown.err) == (0, "")
+    assert "int law(const double zeta[" in (tmp_path / "law.h").read_text()
+    namespace = {}
+    exec((tmp_path / "law.py").read_text(), namespace)
+    assert len(namespace["law"]([0.0] * len(namespace["PARAMETERS"]))) > 0
+
+
 def test_box_of_a_reference_and_json(hysdel):
     shown = hysdel(*TANK, "--weight", "y=1", "--box", "r(y)=-1:3", "--json")
     summary = json.loads(shown.out)
@@ -47,6 +56,7 @@ def test_an_incomplete_law_is_status_one(hysdel):
         ((*TO_THREE, "--box", "r(y)=0:1"), "has a box and is fixed"),
         ((*TO_THREE, "--workers", "0"), "--workers is 0"),
         ((*TO_THREE, "--out", "/no/such/folder/law.npz"), "there is no folder"),
+        ((*TO_THREE, "--c", "law.txt"), "ends in .c"),
         ((*TO_THREE, "--time-limit", "-1"), "--time-limit is -1"),
     ],
 )

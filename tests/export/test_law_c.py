@@ -162,18 +162,18 @@ def test_names_units_and_sizes_are_told(tmp_path):
 
 
 def test_the_table_is_counted_as_the_compiler_counts_it(tmp_path):
-    code = solved("a_di_N3").to_c(tmp_path / "law.c", number="float")
+    code = solved("a_di_N3").to_c(tmp_path / "law.c", number="float", method="tree")
     table = law_table(solved("a_di_N3"), Number.FLOAT, Method.TREE)
     numbers = table.planes.size + table.maps.size
     assert code.table_bytes == 4 * numbers + 3 * len(table.tests) + len(table.hull)
-    assert code.table_bytes < solved("a_di_N3").to_c(tmp_path / "law.c").table_bytes
+    assert code.table_bytes < solved("a_di_N3").to_c(tmp_path / "law.c", method="tree").table_bytes
 
 
 @pytest.mark.parametrize(
     ("options", "message"),
     [
         ({"number": "half"}, "one of double, float, int32, int16 was expected"),
-        ({"method": "hash"}, "tree or sequential was expected"),
+        ({"method": "hash"}, "auto, tree or sequential was expected"),
         ({"prefix": "2law"}, "a letter, then letters"),
         ({"prefix": "double"}, "a letter, then letters"),
         ({"units": ("m",)}, "2 texts were expected"),
