@@ -33,7 +33,7 @@ Array = NDArray[np.float64]
 OUTSIDE = -1
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class ExplicitLaw:
     """``z = K_i zeta + k_i`` and value ``1/2 zeta'P_i zeta + q_i'zeta + r_i`` where ``A_i zeta <= b_i``.
 
@@ -89,6 +89,10 @@ class ExplicitLaw:
             raise ArgumentError(f"moves is {self.moves}: a number from 1 to {self.K.shape[1]} was expected")
         if len(self.names) != self.p:
             raise ArgumentError(f"{len(self.names)} names were given for {self.p} parameters")
+
+    def __repr__(self) -> str:
+        state = "complete" if self.complete else "incomplete"
+        return f"<ExplicitLaw of {', '.join(self.names)}: {self.count} regions, {self.moves} moves, {state}>"
 
     @classmethod
     def of(

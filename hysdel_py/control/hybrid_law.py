@@ -32,7 +32,7 @@ __all__ = ["HybridLaw", "Place", "SearchReport", "SequenceLaw"]
 Vector = NDArray[np.float64]
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class HybridLaw:
     """Explicit form of a hybrid controller.
 
@@ -78,6 +78,11 @@ class HybridLaw:
     partition: bool
     report: SearchReport
     sample_time: float = 1.0
+
+    def __repr__(self) -> str:
+        state = "complete" if self.complete else "incomplete"
+        laws = f"{len(self.sequences)} sequences, {self.count} regions"
+        return f"<HybridLaw of {', '.join(self.names)}: {laws}, {state}>"
 
     @property
     def names(self) -> tuple[str, ...]:

@@ -84,7 +84,7 @@ class Deferred:
         return self._make()
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@dataclass(frozen=True, slots=True, eq=False, repr=False)
 class Move:
     """One answer of a controller.
 
@@ -155,6 +155,12 @@ class Move:
             object.__setattr__(twin, name, object.__getattribute__(self, name))
         object.__setattr__(twin, "seconds", seconds)
         return twin
+
+    def __repr__(self) -> str:
+        if self.u is None:
+            return f"<Move {self.status.value}>"
+        u = ", ".join(f"{value:.6g}" for value in self.u)
+        return f"<Move {self.status.value}: u = [{u}], cost {self.cost:.6g}, gap {self.gap:.1e}, {self.nodes} nodes>"
 
     @property
     def ok(self) -> bool:

@@ -45,11 +45,13 @@ def source_path(path: str | PathLike[str]) -> Path:
     Raises
     ------
     ArgumentError
-        It does not end in .c.
+        It does not end in .c, or its folder does not exist.
     """
     source = Path(path)
     if source.suffix != ".c":
         raise ArgumentError(f"{source}: a name that ends in .c was expected")
+    if not source.parent.is_dir():
+        raise ArgumentError(f"{source}: the folder {source.parent} does not exist")
     return source
 
 

@@ -12,6 +12,7 @@ from os import PathLike
 from pathlib import Path
 
 from hysdel_py.control.explicit_law import ExplicitLaw
+from hysdel_py.control.law_signals import last_input_name
 from hysdel_py.errors import ArgumentError
 from hysdel_py.export.c_text import check_prefix, comment, float_text, guard, prefix_of, source_path
 from hysdel_py.export.law_c_code import evaluation, prototype
@@ -122,8 +123,10 @@ def law_to_c(
     source = source_path(path)
     header = source.with_suffix(".h")
     name = check_prefix(prefix) if prefix is not None else prefix_of(source)
-    names = labels(law.names, units, law.p, "units")
-    move_names = labels(tuple(f"u{i}" for i in range(law.moves)), moves, law.moves, "moves", replaced=True)
+    names = labels(law.names, units or _known_units(law), law.p, "units")
+    move_names = labels(
+        tuple(f"u{i}" for i in range(law.moves)), moves or _known_moves(law), law.moves, "moves", replaced=True
+    )
     table, reason = chosen_table(law, Number.of(number), Method.of(method))
     replay = replay_points(law, table.scaling, points, seed)
     tables = c_tables(table)
@@ -147,6 +150,23 @@ def labels(
     if isinstance(given, str) or len(given) != count:
         raise ArgumentError(f"{what} are {given!r}: {count} texts were expected")
     return tuple(given) if replaced else tuple(f"{n} [{u}]" if u else n for n, u in zip(names, given, strict=True))
+
+
+def _known_units(law: ExplicitLaw) -> tuple[str, ...]:
+    """Units of the parameters, where the law knows its signals."""
+    if law.signals is None:
+        return ()
+    units = {v.name: v.unit for v in law.signals.x}
+    units |= {last_input_name(v.name): v.unit for v in law.signals.u}
+    return tuple(units.get(name, "") for name in law.names)
+
+
+def _known_moves(law: ExplicitLaw) -> tuple[str, ...]:
+    """Names of the moves with their units, where the law knows its signals."""
+    signals = law.signals
+    if signals is None or len(signals.u) != law.moves:
+        return ()
+    return tuple(f"increment of {v.label}" if signals.increment else v.label for v in signals.u)
 
 
 def _legend(law: ExplicitLaw, table: LawTable, size: int) -> Iterator[str]:

@@ -12,6 +12,7 @@ from typing import Any
 import numpy as np
 
 from hysdel_py.control.explicit_law import ExplicitLaw
+from hysdel_py.control.law_signals import LawSignals, read_signals, signals_text
 from hysdel_py.errors import ArgumentError
 from hysdel_py.export.reading import json_data
 from hysdel_py.geometry.polyhedron import Polyhedron
@@ -32,8 +33,29 @@ def law_to_dict(law: ExplicitLaw) -> dict[str, Any]:
         "complete": law.complete,
         "tolerance": law.tolerance,
         "domain": {"A": law.domain.A.tolist(), "b": [b if math.isfinite(b) else None for b in law.domain.b.tolist()]},
+        "signals": None if law.signals is None else _signals_data(law.signals),
         "regions": [_region(law, region) for region in range(law.count)],
     }
+
+
+def _signals_data(signals: LawSignals) -> dict[str, Any]:
+    """What the law reads and gives; an infinite end of a range is None."""
+    data: dict[str, Any] = json.loads(signals_text(signals))
+    for entry in (*data["x"], *data["u"]):
+        for end in ("low", "high"):
+            entry[end] = entry[end] if math.isfinite(entry[end]) else None
+    return data
+
+
+def _signals(data: Mapping[str, Any] | None) -> LawSignals | None:
+    if data is None:
+        return None
+    ranges = {"low": -math.inf, "high": math.inf}
+    groups = {
+        group: [entry | {end: far for end, far in ranges.items() if entry[end] is None} for entry in data[group]]
+        for group in ("x", "u")
+    }
+    return read_signals(json.dumps({**data, **groups}))
 
 
 def _region(law: ExplicitLaw, region: int) -> dict[str, Any]:
@@ -106,6 +128,7 @@ def _law(data: Mapping[str, Any]) -> ExplicitLaw:
         names=names,
         complete=bool(data["complete"]),
         tolerance=float(data["tolerance"]),
+        signals=_signals(data.get("signals")),
     )
 
 

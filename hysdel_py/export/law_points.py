@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from numbers import Integral
 
 import numpy as np
 from numpy.typing import NDArray
@@ -50,10 +51,13 @@ def replay_points(law: ExplicitLaw, scaling: Scaling, count: int, seed: int) -> 
     Raises
     ------
     ArgumentError
-        The count is negative.
+        The count or the seed is no whole number, or negative.
     """
-    if count < 0:
-        raise ArgumentError(f"points is {count}: zero or more were expected")
+    for name, number in (("points", count), ("seed", seed)):
+        if not isinstance(number, Integral) or number < 0:
+            raise ArgumentError(f"{name} is {number!r}: a whole number, zero or more, was expected")
+    if not count:
+        return ReplayPoints(np.zeros((0, law.p)), np.zeros((0, law.moves)), np.zeros(law.moves))
     rng = np.random.default_rng(seed)
     margin = max(_LEAST, 2.0 * scaling.margin(law.A, -law.b))
     inside = _kept(law, random_points(law, _TRIES * count if count else 0, rng), margin, inside=True)

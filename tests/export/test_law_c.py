@@ -190,8 +190,17 @@ def test_a_wrong_path_and_an_empty_law_are_refused(tmp_path):
     law = solved("a_di_N3")
     with pytest.raises(hys.ArgumentError, match=r"ends in \.c"):
         law.to_c(tmp_path / "law.txt")
+    nothing = hys.MpQp(
+        np.eye(1),
+        np.zeros(1),
+        np.eye(1),
+        [[1.0], [-1.0]],
+        [0.0, -1.0],
+        np.zeros((2, 1)),
+        hys.Polyhedron.box([-1.0], [1.0]),
+    )
     with pytest.raises(hys.ArgumentError, match="no regions"):
-        law.fixed({"x1": 1e3}).to_c(tmp_path / "law.c")
+        hys.ExplicitLaw.of(hys.solve_mpqp(nothing)).to_c(tmp_path / "law.c")
 
 
 @needs_gcc
@@ -199,3 +208,38 @@ def test_comments_in_names_do_no_harm(tmp_path):
     law = saturation()
     code = law.to_c(tmp_path / "law.c", units=("*/ int x; /* \\",))
     assert replay(code.files[0], "law").returncode == 0
+
+
+@pytest.fixture(scope="module")
+def law_of_a_controller():
+    lti = hys.Lti([[1.0, 0.1], [0.0, 1.0]], [[0.005], [0.1]], ts=0.1)
+    limits = hys.LinearLimits(u=(-1, 1))
+    return hys.explicit(hys.LinearMpc(lti, "regulator", 2, limits=limits), {"x1": (-3, 3), "x2": (-3, 3)})
+
+
+def test_names_of_a_controller_stand_in_the_header(law_of_a_controller, tmp_path):
+    code = law_of_a_controller.to_c(tmp_path / "law.c")
+    assert " u[0]: u1\n" in code.files[1].read_text()
+
+
+@pytest.mark.parametrize(
+    ("options", "words"),
+    [({"points": -1}, "points is -1"), ({"seed": "a"}, "seed is 'a'"), ({"points": 2.5}, "points is 2.5")],
+)
+def test_wrong_options_are_told(law_of_a_controller, tmp_path, options, words):
+    with pytest.raises(hys.ArgumentError, match=words):
+        law_of_a_controller.to_c(tmp_path / "law.c", **options)
+
+
+def test_a_folder_that_is_not_there_is_told(law_of_a_controller, tmp_path):
+    with pytest.raises(hys.ArgumentError, match="does not exist"):
+        law_of_a_controller.to_c(tmp_path / "nowhere" / "law.c")
+
+
+def test_json_keeps_what_the_law_reads(law_of_a_controller, tmp_path):
+    law_of_a_controller.to_json(tmp_path / "law.json")
+    again = hys.ExplicitLaw.from_json(tmp_path / "law.json")
+    assert again.signals == law_of_a_controller.signals
+    assert again.solve([1.0, 0.0]).u == pytest.approx(law_of_a_controller.solve([1.0, 0.0]).u)
+    assert repr(again) == f"<ExplicitLaw of x1, x2: {again.count} regions, 1 moves, complete>"
+    assert repr(again.solve([1.0, 0.0])).startswith("<Move optimal: u = [")
