@@ -26,8 +26,9 @@ from c_driver import FLAGS, CompiledLaw
 from mpqp import problem
 from numpy.typing import NDArray
 
-from hysdel_py.control.explicit_certificate import OnlineProblem, random_points
+from hysdel_py.control.explicit_certificate import random_points
 from hysdel_py.control.explicit_law import ExplicitLaw
+from hysdel_py.control.online_problem import OnlineProblem
 from hysdel_py.optimize.mpqp import MpQp, solve_mpqp
 
 NAMES = ("a_di_N3", "a_di_N10", "f_thesis", "c_pend_N3", "b_ms2_N3", "d_aftisoft_N2")

@@ -8,17 +8,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hysdel_py.control.explicit_law import OUTSIDE, Array, ExplicitLaw, Vector
+from hysdel_py.control.online_problem import OnlineProblem
 from hysdel_py.optimize.mpqp import MpQp
 from hysdel_py.optimize.parametric.cover import point_inside
 from hysdel_py.optimize.parametric.settings import MpQpSettings
-from hysdel_py.optimize.qp import Qp, QpSettings, QpStatus
-from hysdel_py.optimize.verified import VerifiedSolver
+from hysdel_py.optimize.qp import QpStatus
 
-__all__ = ["LawCertificate", "OnlineProblem", "certify", "random_points"]
-
-_ACCURACY = 1e-10
-_FAR = 1e7
-"""Infeasibility is proven among variables up to this size."""
+__all__ = ["LawCertificate", "certify", "random_points"]
 
 _STEPS = 20
 """Steps of a random walk between two points that are kept."""
@@ -110,41 +106,6 @@ def certify(law: ExplicitLaw, problem: MpQp, samples: int = 200, seed: int = 0) 
         unique=_is_definite(problem),
         undecided=sum(answer.undecided for answer in answers),
     )
-
-
-class OnlineProblem:
-    """The problem at single parameters, by the verified quadratic programs."""
-
-    def __init__(self, problem: MpQp) -> None:
-        self.problem = problem
-        settings = QpSettings(accuracy=_ACCURACY, feasibility=1e-8, stationarity=1e-7)
-        self._qp = self._at(np.zeros(problem.p))
-        self._solver = VerifiedSolver(self._qp, "piqp", settings)
-
-    def solve(self, theta: Vector) -> tuple[QpStatus, Vector, float]:
-        """Status, solution and value."""
-        qp = self._at(theta)
-        far = np.full(self.problem.n, _FAR)
-        answer = self._solver.solve(self._qp.with_vectors(q=qp.q, l=qp.l, u=qp.u), box=(-far, far)).answer
-        return answer.status, answer.x, self.problem.value(answer.x, theta)
-
-    def _at(self, theta: Vector) -> Qp:
-        p = self.problem
-        assert p.e is not None
-        assert p.E is not None
-        assert p.D is not None
-        equal = p.e + p.D @ theta
-        upper = p.w + p.S @ theta
-        free = np.full(p.n, np.inf)
-        return Qp(
-            (p.H + p.H.T) / 2,
-            p.f + p.F @ theta,
-            np.vstack([p.G, p.E]),
-            np.concatenate([np.full(p.m, -np.inf), equal]),
-            np.concatenate([upper, equal]),
-            -free,
-            free,
-        )
 
 
 @dataclass(frozen=True, slots=True)
