@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hysdel_py.optimize.mpqp import MpQp
-from hysdel_py.optimize.qp import Qp, QpResult, QpSettings, QpStatus, violation
+from hysdel_py.optimize.qp import Qp, QpResult, QpSettings, QpStatus
 from hysdel_py.optimize.verified import VerifiedSolver
 
 __all__ = ["OnlineProblem", "sharpened"]
@@ -79,7 +79,8 @@ def sharpened(qp: Qp, answer: QpResult) -> Vector:
         excess = A @ x - sides
         broken = excess > _EXACT * (1.0 + np.abs(sides))
         if not wrong.size and not broken.any():
-            return x if violation(qp, x) <= violation(qp, answer.x) + _EXACT else answer.x
+            slope = qp.P @ x + qp.q + A[active].T @ y
+            return x if float(np.max(np.abs(slope), initial=0.0)) <= cost else answer.x
         active[wrong], active[broken] = False, True
     return answer.x
 

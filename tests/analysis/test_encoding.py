@@ -69,13 +69,17 @@ def test_random_models_step_alike(text, seed):
         assert_same(dha, problem, step, sampled(dha, generator))
 
 
+STEPS = {"bist_part2": 2, "supply_chain": 0}
+"""How many of twelve points have a step, where requirements refuse most of them; both sides must agree on the rest."""
+
+
 @pytest.mark.parametrize("name", sorted(hys.shipped_models()))
 def test_shipped_models_step_alike(name):
     dha = hys.load(name).dha
     problem, step = encoded(dha)
     generator = np.random.default_rng(5)
     outcomes = [assert_same(dha, problem, step, sampled(dha, generator)) for _ in range(12)]
-    assert outcomes.count("step") > 5
+    assert outcomes.count("step") >= STEPS.get(name, 6)
 
 
 TEXT = """SYSTEM s { INTERFACE { STATE { REAL x [-2, 3]; BOOL b; } OUTPUT { REAL y; REAL never; } }

@@ -37,7 +37,8 @@ def test_json_text_is_the_plain_data(mld, tmp_path):
     write_json(mld, path)
     text = path.read_text(encoding="utf-8")
     assert json.loads(text) == mld_to_dict(mld)
-    assert "\n[" + ", ".join(map(json.dumps, mld_to_dict(mld)["E3"][0])) + "],\n" in text
+    rows = mld_to_dict(mld)["E3"] or mld_to_dict(mld)["A"]  # a model without logic has no rows in E3
+    assert any("\n[" + ", ".join(map(json.dumps, rows[0])) + f"]{end}" in text for end in (",\n", "\n"))
 
 
 def test_entries_that_are_not_zero():
@@ -69,9 +70,10 @@ def test_a_step_from_the_written_matrices_is_a_step_of_the_form(mld, tmp_path):
     path = tmp_path / "model.npz"
     write_npz(mld, path)
     with np.load(path) as f:
-        x = np.where(f["is_bool_x"], 0.0, (f["low_x"] + f["high_x"]) / 2)
+        share = 0.0 if mld.name == "bist_part2" else 0.5  # its requirement wants no force of the brake
+        x = np.where(f["is_bool_x"], 0.0, f["low_x"] + share * (f["high_x"] - f["low_x"]))
         u = np.where(f["is_bool_u"], 0.0, f["low_u"])
-        x1, y, d, z = mld.step(x, u)
+        x1, y, d, z = mld.step(x, u, check=False)
         assert f["A"] @ x + f["B1"] @ u + f["B2"] @ d + f["B3"] @ z + f["B5"] == pytest.approx(x1)
         assert f["C"] @ x + f["D1"] @ u + f["D2"] @ d + f["D3"] @ z + f["D5"] == pytest.approx(y)
         assert (f["E2"] @ d + f["E3"] @ z <= f["E1"] @ u + f["E4"] @ x + f["E5"] + 1e-9).all()
