@@ -26,13 +26,9 @@ class Forward:
     def __call__(self, numbered: tuple[int, Piece]) -> list[Piece]:
         """Pieces behind a piece, which comes with its number."""
         number, piece = numbered
-        found = []
-        for branch in self.branches:
-            if branch.word == piece.word:
-                region = self._image(branch, piece.region)
-                if not region.is_empty:
-                    found.append(Piece(branch.next_word, region, branch.mode, number))
-        return found
+        own = [branch for branch in self.branches if branch.word == piece.word]
+        regions = [(branch, self._image(branch, piece.region)) for branch in own]
+        return [Piece(b.next_word, region, b.mode, number) for b, region in regions if not region.is_empty]
 
     def _image(self, branch: Branch, states: Polyhedron) -> Polyhedron:
         domain = _with_states(branch.region, states)
@@ -52,13 +48,9 @@ class Backward:
     def __call__(self, numbered: tuple[int, Piece]) -> list[Piece]:
         """Pieces before a piece, which comes with its number."""
         number, piece = numbered
-        found = []
-        for branch in self.branches:
-            if branch.next_word == piece.word:
-                region = self._shadow(branch, piece.region)
-                if not region.is_empty:
-                    found.append(Piece(branch.word, region, branch.mode, number))
-        return found
+        leading = [branch for branch in self.branches if branch.next_word == piece.word]
+        regions = [(branch, self._shadow(branch, piece.region)) for branch in leading]
+        return [Piece(b.word, region, b.mode, number) for b, region in regions if not region.is_empty]
 
     def _shadow(self, branch: Branch, target: Polyhedron) -> Polyhedron:
         n = len(branch.f)
