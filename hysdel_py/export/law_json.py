@@ -14,7 +14,7 @@ import numpy as np
 from hysdel_py.control.explicit_law import ExplicitLaw
 from hysdel_py.control.law_signals import LawSignals, read_signals, signals_text
 from hysdel_py.errors import ArgumentError
-from hysdel_py.export.reading import json_data
+from hysdel_py.export.reading import check_schema, json_data
 from hysdel_py.geometry.polyhedron import Polyhedron
 
 __all__ = ["LAW_SCHEMA", "law_from_dict", "law_to_dict", "read_law_json", "write_law_json"]
@@ -96,9 +96,7 @@ def law_from_dict(data: Mapping[str, Any]) -> ExplicitLaw:
     ArgumentError
         The data is of another kind or version, or a part of it is missing or does not fit.
     """
-    schema = data.get("schema") if isinstance(data, Mapping) else None
-    if schema != LAW_SCHEMA:
-        raise ArgumentError(f"the data has the schema {schema!r}: {LAW_SCHEMA!r} was expected")
+    check_schema(data, LAW_SCHEMA)
     try:
         return _law(data)
     except (KeyError, TypeError, ValueError) as error:

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from hysdel_py.errors import ArgumentError
 from hysdel_py.export.matrices import variable_data
-from hysdel_py.export.reading import json_data, variable_of
+from hysdel_py.export.reading import check_schema, json_data, variable_of
 from hysdel_py.geometry.polyhedron import Polyhedron
 from hysdel_py.geometry.precision import Precision
 from hysdel_py.geometry.search_tree import SearchTree
@@ -98,9 +98,7 @@ def pwa_from_dict(data: Mapping[str, Any]) -> Pwa:
     ArgumentError
         The data is of another kind or version, or a part of it is missing or does not fit.
     """
-    schema = data.get("schema") if isinstance(data, Mapping) else None
-    if schema != PWA_SCHEMA:
-        raise ArgumentError(f"the data has the schema {schema!r}: {PWA_SCHEMA!r} was expected")
+    check_schema(data, PWA_SCHEMA)
     try:
         return _pwa(data)
     except (KeyError, TypeError, ValueError) as error:

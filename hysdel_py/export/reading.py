@@ -20,7 +20,7 @@ from hysdel_py.systems.signals import Kind, Type, Variable
 from hysdel_py.systems.symbolic_mld import MATRICES
 from hysdel_py.tolerances import Tolerances
 
-__all__ = ["json_data", "mld_from_dict", "read_mat", "read_mld_json", "read_npz", "variable_of"]
+__all__ = ["check_schema", "json_data", "mld_from_dict", "read_mat", "read_mld_json", "read_npz", "variable_of"]
 
 Path_ = str | os.PathLike[str]
 
@@ -33,7 +33,7 @@ def mld_from_dict(data: Mapping[str, Any]) -> Mld:
     ArgumentError
         The data is of another kind or version, or a part of it is missing or does not fit.
     """
-    _check_schema(data)
+    check_schema(data, SCHEMA)
     try:
         groups = {kind.value: tuple(variable_of(v, kind) for v in data["variables"][kind.value]) for kind in Kind}
         matrices = {name: _matrix(data[name], shape) for name, shape in _shapes(data["sizes"]).items()}
@@ -111,10 +111,11 @@ def _from_arrays(arrays: Mapping[str, NDArray[Any]], path: Path_) -> Mld:
     return mld_from_dict(about | {name: arrays[name] for name in MATRICES if name in arrays})
 
 
-def _check_schema(data: Mapping[str, Any]) -> None:
+def check_schema(data: Mapping[str, Any], expected: str) -> None:
+    """Refuse data of another kind or version."""
     schema = data.get("schema") if isinstance(data, Mapping) else None
-    if schema != SCHEMA:
-        raise ArgumentError(f"the data has the schema {schema!r}: {SCHEMA!r} was expected")
+    if schema != expected:
+        raise ArgumentError(f"the data has the schema {schema!r}: {expected!r} was expected")
 
 
 def _shapes(sizes: Mapping[str, int]) -> dict[str, tuple[int, ...]]:
