@@ -40,6 +40,8 @@ class LawCertificate:
         Greatest violation of the problem's rows by the law, relative to 1 and the side; nan after merging.
     value_error : float
         Greatest difference of the values, relative to 1 and their size; nan for a law without value function.
+    form_error : float
+        The same for the values that the coefficients P, q, r alone give, as other programs read them from a file.
     overlaps : int
         Values of theta well inside two regions with different moves.
     jump, value_jump : float
@@ -59,6 +61,7 @@ class LawCertificate:
     law_error: float
     violation: float
     value_error: float
+    form_error: float
     overlaps: int
     jump: float
     value_jump: float
@@ -72,7 +75,7 @@ class LawCertificate:
         weakly active, so that the moves are compared with that; feasibility and value are what proves them.
         """
         clean = not (self.missing or self.superfluous or self.overlaps)
-        exact = np.nan_to_num([self.value_error, self.violation, self.value_jump]).max()
+        exact = np.nan_to_num([self.value_error, self.form_error, self.violation, self.value_jump]).max()
         same = not self.unique or (self.jump <= accuracy and self.law_error <= np.sqrt(accuracy))
         return bool(clean and exact <= accuracy and same)
 
@@ -100,6 +103,7 @@ def certify(law: ExplicitLaw, problem: MpQp, samples: int = 200, seed: int = 0) 
         law_error=max((answer.law_error for answer in answers), default=0.0),
         violation=max((answer.violation for answer in answers), default=0.0) if law.has_value else np.nan,
         value_error=max((answer.value_error for answer in answers), default=0.0) if law.has_value else np.nan,
+        form_error=max((answer.form_error for answer in answers), default=0.0) if law.has_value else np.nan,
         overlaps=sum(_doubled(law, point) for point in points),
         jump=float(jumps[0]),
         value_jump=float(jumps[1]),
@@ -118,6 +122,7 @@ class _Comparison:
     law_error: float = 0.0
     violation: float = 0.0
     value_error: float = 0.0
+    form_error: float = 0.0
     undecided: bool = False
 
     @classmethod
@@ -131,11 +136,21 @@ class _Comparison:
                 feasible=True,
                 law_error=_move_error(law, region, theta, z),
                 violation=_violation(online.problem, law, region, theta) if law.has_value else 0.0,
-                value_error=abs(law.value(theta) - value) / max(1.0, abs(value)) if law.has_value else 0.0,
+                value_error=_relative(law.value(theta), value) if law.has_value else 0.0,
+                form_error=_relative(_forms(law, theta)[region], value) if law.has_value else 0.0,
             )
         if status in (QpStatus.INFEASIBLE, QpStatus.UNBOUNDED):
             return cls(superfluous=region != OUTSIDE and float(np.min(law.excess(theta))) < -law.tolerance)
         return cls(undecided=True)
+
+
+def _relative(found: float, true: float) -> float:
+    return float(abs(found - true) / max(1.0, abs(true)))
+
+
+def _forms(law: ExplicitLaw, point: Vector) -> Vector:
+    """Value that the coefficients of each region give at a point."""
+    return np.asarray(0.5 * (law.P @ point) @ point + law.q @ point + law.r)
 
 
 def _move_error(law: ExplicitLaw, region: int, theta: Vector, z: Vector) -> float:
@@ -216,7 +231,7 @@ def _jumps(law: ExplicitLaw, region: int, point: Vector) -> Vector:
     jump = np.max(np.abs(moves[others] - moves[region]), initial=0.0)
     if not law.has_value:
         return np.array([jump, 0.0])
-    values = 0.5 * (law.P @ point) @ point + law.q @ point + law.r
+    values = _forms(law, point)
     gap = np.max(np.abs(values[others] - values[region]), initial=0.0) / max(1.0, abs(values[region]))
     return np.array([jump, gap])
 

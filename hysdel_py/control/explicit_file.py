@@ -15,10 +15,12 @@ from hysdel_py.control.explicit_law import ExplicitLaw
 from hysdel_py.control.law_signals import read_signals, signals_text
 from hysdel_py.errors import ArgumentError
 from hysdel_py.geometry.polyhedron import Polyhedron
+from hysdel_py.optimize.parametric.objective import ParametricObjective
 
-__all__ = ["law_arrays", "law_of_arrays", "load_law", "save_law"]
+__all__ = ["law_arrays", "law_of_arrays", "load_law", "objective_of_arrays", "save_law"]
 
 _FORMAT = 1
+_OBJECTIVE = "objective_"
 _ARRAYS = ("A", "b", "starts", "K", "k", "P", "q", "r")
 
 
@@ -43,6 +45,7 @@ def law_arrays(law: ExplicitLaw) -> dict[str, Any]:
             "active": np.array([row for rows in law.active for row in rows], dtype=np.int64),
             "active_starts": np.cumsum([0, *(len(rows) for rows in law.active)]),
         }
+        | _objective_arrays(law.objective)
         | ({} if law.signals is None else {"signals": np.array(signals_text(law.signals))})
     )
 
@@ -76,7 +79,25 @@ def law_of_arrays(content: Mapping[str, Any]) -> ExplicitLaw:
         complete=bool(content["complete"]),
         tolerance=float(content["tolerance"]),
         signals=read_signals(str(content["signals"])) if "signals" in content else None,
+        objective=_objective(content) if f"{_OBJECTIVE}H" in content else None,
     )
+
+
+def _objective_arrays(objective: ParametricObjective | None) -> dict[str, Any]:
+    if objective is None:
+        return {}
+    content = objective.arrays() | {"constant": np.array(objective.constant)}
+    return {_OBJECTIVE + name: array for name, array in content.items()}
+
+
+def _objective(content: Mapping[str, Any]) -> ParametricObjective:
+    own = {name.removeprefix(_OBJECTIVE): value for name, value in content.items() if name.startswith(_OBJECTIVE)}
+    return objective_of_arrays(own)
+
+
+def objective_of_arrays(arrays: Mapping[str, Any]) -> ParametricObjective:
+    """The objective of its coefficients by name."""
+    return ParametricObjective(**{**arrays, "constant": float(arrays["constant"])})
 
 
 def _sets(rows: NDArray[np.int64], starts: NDArray[np.int64]) -> tuple[tuple[int, ...], ...]:

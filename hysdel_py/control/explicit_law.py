@@ -24,6 +24,7 @@ if TYPE_CHECKING:
     from hysdel_py.control.move import Move
     from hysdel_py.export.law_c import LawCode
     from hysdel_py.optimize.mpqp import ParametricSolution
+    from hysdel_py.optimize.parametric.objective import ParametricObjective
     from hysdel_py.optimize.parametric.problem import MpQp
 
 __all__ = ["ExplicitLaw"]
@@ -62,6 +63,9 @@ class ExplicitLaw:
         Distance up to which a point on the boundary belongs to a region.
     signals : LawSignals, optional
         What the parameters and the moves stand for, in the law of a controller.
+    objective : ParametricObjective, optional
+        What the law minimises. Where it is known, values are computed from it and z: the coefficients P, q, r of a very
+        thin region are so large that their sum loses digits.
     """
 
     A: Array
@@ -79,6 +83,7 @@ class ExplicitLaw:
     complete: bool
     tolerance: float = 1e-8
     signals: LawSignals | None = None
+    objective: ParametricObjective | None = None
 
     def __post_init__(self) -> None:
         for item in fields(self):
@@ -124,6 +129,7 @@ class ExplicitLaw:
             moves=n if moves is None else moves,
             names=tuple(f"p{j}" for j in range(p)) if names is None else tuple(names),
             complete=solution.complete,
+            objective=problem.objective,
         )
 
     @property
@@ -203,6 +209,8 @@ class ExplicitLaw:
         if region == OUTSIDE:
             return float("inf")
         point = self._point(zeta)
+        if self.objective is not None:
+            return self.objective.value(self.K[region] @ point + self.k[region], point)
         return float(0.5 * point @ self.P[region] @ point + self.q[region] @ point + self.r[region])
 
     @property
@@ -316,7 +324,7 @@ class ExplicitLaw:
     def without_value(self) -> ExplicitLaw:
         """The same law with its moves only."""
         p, K, k = self.p, self.K[:, : self.moves].copy(), self.k[:, : self.moves].copy()
-        return replace(self, K=K, k=k, P=np.zeros((0, p, p)), q=np.zeros((0, p)), r=np.zeros(0))
+        return replace(self, K=K, k=k, P=np.zeros((0, p, p)), q=np.zeros((0, p)), r=np.zeros(0), objective=None)
 
     def _holds(self, region: int, point: Vector) -> bool:
         A, b = self.rows(region)

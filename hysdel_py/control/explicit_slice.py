@@ -63,6 +63,7 @@ def fix(law: ExplicitLaw, values: Mapping[str | int, float]) -> ExplicitLaw:
         domain=Polyhedron(A[real], b[real]),
         names=tuple(law.names[j] for j in free.tolist()),
         signals=_signals(law, given),
+        objective=None if law.objective is None else law.objective.fixed(free, fixed, at),
     )
 
 

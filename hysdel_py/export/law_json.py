@@ -11,6 +11,7 @@ from typing import Any
 
 import numpy as np
 
+from hysdel_py.control.explicit_file import objective_of_arrays
 from hysdel_py.control.explicit_law import ExplicitLaw
 from hysdel_py.control.law_signals import LawSignals, read_signals, signals_text
 from hysdel_py.errors import ArgumentError
@@ -34,6 +35,7 @@ def law_to_dict(law: ExplicitLaw) -> dict[str, Any]:
         "tolerance": law.tolerance,
         "domain": {"A": law.domain.A.tolist(), "b": [b if math.isfinite(b) else None for b in law.domain.b.tolist()]},
         "signals": None if law.signals is None else _signals_data(law.signals),
+        "objective": None if law.objective is None else law.objective.to_dict(),
         "regions": [_region(law, region) for region in range(law.count)],
     }
 
@@ -127,7 +129,15 @@ def _law(data: Mapping[str, Any]) -> ExplicitLaw:
         complete=bool(data["complete"]),
         tolerance=float(data["tolerance"]),
         signals=_signals(data.get("signals")),
+        objective=_objective(data.get("objective"), n, p),
     )
+
+
+def _objective(data: Mapping[str, Any] | None, n: int, p: int) -> Any:
+    if data is None:
+        return None
+    shapes: dict[str, tuple[int, ...]] = {"H": (n, n), "f": (n,), "F": (n, p), "Y": (p, p), "y": (p,), "constant": ()}
+    return objective_of_arrays({name: _numbers(data[name], *shape) for name, shape in shapes.items()})
 
 
 def _numbers(values: Any, *shape: int) -> Any:

@@ -10,7 +10,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from hysdel_py.control.explicit_certificate import random_points
+from hysdel_py.control.explicit_certificate import OnlineProblem, random_points
 from hysdel_py.control.explicit_law import ExplicitLaw
 from hysdel_py.control.explicit_tree import build_tree, same_moves
 from hysdel_py.errors import ArgumentError
@@ -45,6 +45,15 @@ def test_a_saturated_law():
     assert law([3.1]) is None
     assert law.value([3.1]) == np.inf
     assert law.locate([3.1]) == -1
+
+
+def test_the_value_keeps_its_digits_in_a_thin_region():
+    problem, law = solved("b_ms2_N5")
+    region = int(np.argmax(np.abs(law.P).max(axis=(1, 2))))
+    centre = law.polyhedron(region).ball.centre
+    _, _, value = OnlineProblem(problem).solve(centre)
+    assert law.value(centre) == pytest.approx(value, rel=1e-9)
+    assert replace(law, objective=None).value(centre) != pytest.approx(value, rel=1e-9)
 
 
 def test_the_last_region_is_kept_on_its_boundary():
@@ -143,6 +152,8 @@ def test_a_law_read_back_is_the_same(tmp_path):
         assert other.active == each.active
         assert (other.moves, other.names, other.complete) == (each.moves, each.names, each.complete)
         assert other.domain.b.tolist() == each.domain.b.tolist()
+        assert other.has_value == each.has_value
+        assert not each.has_value or other.value(np.full(law.p, 0.1)) == each.value(np.full(law.p, 0.1))
     path.write_text("nothing")
     with pytest.raises(ArgumentError, match=r"is not an \.npz file"):
         ExplicitLaw.load(path)

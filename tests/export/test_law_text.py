@@ -25,6 +25,8 @@ def same(first, second):
         if item.name == "domain":
             assert np.array_equal(one.A, other.A)
             assert np.array_equal(one.b, other.b)
+        elif item.name == "objective":
+            assert (one and one.to_dict()) == (other and other.to_dict())
         elif isinstance(one, np.ndarray):
             assert one.shape == other.shape
             assert one.dtype == other.dtype

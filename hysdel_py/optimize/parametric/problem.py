@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from hysdel_py.errors import ArgumentError
 from hysdel_py.geometry.polyhedron import Polyhedron
+from hysdel_py.optimize.parametric.objective import ParametricObjective
 
 __all__ = ["MpQp"]
 
@@ -91,12 +92,16 @@ class MpQp:
         """Number of inequalities."""
         return len(self.w)
 
-    def value(self, z: Vector, theta: Vector) -> float:
-        """Objective at a point."""
+    @property
+    def objective(self) -> ParametricObjective:
+        """The objective, apart from the constraints."""
         assert self.Y is not None
         assert self.y is not None
-        own = 0.5 * theta @ self.Y @ theta + self.y @ theta + self.constant
-        return float(0.5 * z @ self.H @ z + (self.f + self.F @ theta) @ z + own)
+        return ParametricObjective(self.H, self.f, self.F, self.Y, self.y, self.constant)
+
+    def value(self, z: Vector, theta: Vector) -> float:
+        """Objective at a point."""
+        return self.objective.value(z, theta)
 
 
 def _array(name: str, value: Any, shape: tuple[int, ...]) -> Any:
