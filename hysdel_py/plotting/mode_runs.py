@@ -1,0 +1,160 @@
+"""Pictures of the modes of a run: signals over coloured bands, a line for each mode, and the moves between modes."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Sequence
+from itertools import groupby, pairwise
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from hysdel_py.errors import ArgumentError
+from hysdel_py.plotting.modes import new_axes
+from hysdel_py.plotting.style import COLOURS, MUTED, finish, new_figure
+from hysdel_py.plotting.trajectory import plot_trajectory, time_label
+from hysdel_py.systems.trajectory import Trajectory
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+__all__ = ["mode_names", "plot_bands", "plot_timeline", "plot_visits"]
+
+_BAND = 0.16
+"""How much of its colour a band behind signals has."""
+_MOST_NAMED = 8
+"""Legends name the modes that last longest."""
+
+Span = tuple[str, float, float]
+
+
+def mode_names(trajectory: Trajectory, booleans: Sequence[str] = ()) -> tuple[str, ...]:
+    """What the mode of each step is called: the Booleans that are true, or "all off".
+
+    Parameters
+    ----------
+    trajectory : Trajectory
+    booleans : sequence of str
+        The auxiliaries that make the mode; all of them by default.
+
+    Raises
+    ------
+    ArgumentError
+        A name is no Boolean auxiliary, or the run has none.
+    """
+    names = trajectory.names.get("d", ())
+    unknown = [name for name in booleans if name not in names]
+    if unknown or not names:
+        raise ArgumentError(f"modes are made of Boolean auxiliaries; {unknown or 'the run'} has none: {', '.join(names)}")
+    columns = [names.index(name) for name in booleans or names]
+    return tuple(" ".join(names[i] for i in columns if row[i] > 0.5) or "all off" for row in trajectory.d)
+
+
+def plot_bands(
+    trajectory: Trajectory, names: Sequence[str] = (), *, booleans: Sequence[str] = (), time_unit: str = ""
+) -> Figure:
+    """Draw signals as :meth:`Trajectory.plot` does, over bands in the colour of the mode.
+
+    Parameters
+    ----------
+    names : sequence of str
+        Signals to draw; all states, inputs and outputs by default.
+    booleans : sequence of str
+        The auxiliaries that make the mode; all by default.
+    time_unit : str
+    """
+    from matplotlib.patches import Patch
+
+    spans = _spans(trajectory, booleans)
+    colours = _colours(spans)
+    figure = plot_trajectory(trajectory, names, time_unit)
+    for axes in figure.axes:
+        for name, begin, end in spans:
+            axes.axvspan(begin, end, color=colours[name], alpha=_BAND, linewidth=0, zorder=-1)
+    handles = [Patch(color=colours[name], alpha=2 * _BAND, label=name) for name in _longest(spans)]
+    figure.legend(handles=handles, loc="outside upper left", ncols=4, frameon=False, fontsize="small")
+    return figure
+
+
+def plot_timeline(trajectory: Trajectory, *, booleans: Sequence[str] = (), time_unit: str = "") -> Figure:
+    """Draw one line for each mode, with a bar where the run is in it; modes in the order of their first time."""
+    spans = _spans(trajectory, booleans)
+    colours = _colours(spans)
+    figure, (axes,) = new_figure(1, [0.25 + 0.14 * len(colours)])
+    for row, name in enumerate(reversed(colours)):
+        bars = [(begin, end - begin) for word, begin, end in spans if word == name]
+        axes.broken_barh(bars, (row - 0.38, 0.76), facecolors=colours[name], linewidth=0)
+    axes.set_yticks(range(len(colours)), list(reversed(colours)), fontsize="small")
+    axes.set_ylim(-0.6, len(colours) - 0.4)
+    finish(axes, "mode", legend=False)
+    axes.set_xlabel(time_label(trajectory, time_unit))
+    return figure
+
+
+def plot_visits(trajectory: Trajectory, *, booleans: Sequence[str] = ()) -> Figure:
+    """Draw the modes that a run visits, with an arrow for each move between two and how often it was made."""
+    words = mode_names(trajectory, booleans)
+    stays = Counter(words)
+    moves = Counter((before, after) for before, after in pairwise(words) if before != after)
+    figure, axes = new_axes(7.0, 5.0)
+    places = _circle(list(stays))
+    colours = {name: COLOURS[i % len(COLOURS)] for i, name in enumerate(stays)}
+    for name, count in stays.items():
+        _draw_mode(axes, places[name], f"{name}\n{count} step{'s' * (count > 1)}", colours[name])
+    for (before, after), count in moves.items():
+        _draw_move(axes, places[before], places[after], str(count))
+    axes.set(xlim=(-1.7, 1.7), ylim=(-1.4, 1.4))
+    axes.set_axis_off()
+    return figure
+
+
+def _spans(trajectory: Trajectory, booleans: Sequence[str]) -> list[Span]:
+    """(mode, begin, end) of each stay."""
+    words, t = mode_names(trajectory, booleans), trajectory.t
+    spans, step = [], 0
+    for word, stay in groupby(words):
+        length = len(list(stay))
+        spans.append((word, float(t[step]), float(t[step + length])))
+        step += length
+    return spans
+
+
+def _colours(spans: Sequence[Span]) -> dict[str, str]:
+    """A colour for each mode, in the order of its first time."""
+    names = dict.fromkeys(name for name, _, _ in spans)
+    return {name: COLOURS[i % len(COLOURS)] for i, name in enumerate(names)}
+
+
+def _longest(spans: Sequence[Span]) -> list[str]:
+    """The modes that last longest, in the order of their first time."""
+    lasted: Counter[str] = Counter()
+    for name, begin, end in spans:
+        lasted[name] += end - begin  # type: ignore[assignment]
+    kept = {name for name, _ in lasted.most_common(_MOST_NAMED)}
+    return [name for name in lasted if name in kept]
+
+
+def _circle(names: Sequence[str]) -> dict[str, tuple[float, float]]:
+    """Places on a circle, clockwise from the top."""
+    angles = np.pi / 2 - 2 * np.pi * np.arange(len(names)) / len(names)
+    return {name: (1.2 * float(np.cos(a)), float(np.sin(a))) for name, a in zip(names, angles, strict=True)}
+
+
+def _draw_mode(axes: Axes, place: tuple[float, float], text: str, colour: str) -> None:
+    box = {"boxstyle": "round,pad=0.4", "facecolor": "white", "edgecolor": colour, "linewidth": 2.0}
+    axes.text(*place, text, ha="center", va="center", fontsize=9, zorder=3, bbox=box)
+
+
+def _draw_move(axes: Axes, begin: tuple[float, float], end: tuple[float, float], text: str) -> None:
+    """An arrow that is bent to one side, so that the way back has room; the count beside its middle."""
+    from matplotlib.patches import FancyArrowPatch
+
+    arrow = FancyArrowPatch(
+        begin, end, shrinkA=28, shrinkB=28, mutation_scale=14, arrowstyle="-|>", connectionstyle="arc3,rad=0.18",
+        color=MUTED, linewidth=1.2, zorder=2,
+    )  # fmt: skip
+    axes.add_patch(arrow)
+    along = np.subtract(end, begin)
+    middle = np.add(begin, end) / 2 + 0.13 * np.array([along[1], -along[0]])
+    axes.text(*middle, text, ha="center", va="center", fontsize=8, color=MUTED, zorder=4)
