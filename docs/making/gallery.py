@@ -32,10 +32,10 @@ def heating() -> Any:
 
 @cache
 def searched() -> Any:
-    """The first step of a controller of three tanks, with its search, and a closed loop of two tanks."""
+    """The first search of a controller of three tanks, and what its variables are called."""
     log = hys.NodeLog()
     mpc = hys.HybridMpc(
-        hys.load("three_tanks"), 2, hys.Cost(y={"level(2)": 1}), progress=log, backend="piqp", node_limit=25
+        hys.load("three_tanks"), 3, hys.Cost(y={"level(2)": 1}), progress=log, backend="piqp", node_limit=25
     )
     mpc.solve([1, 2, 1], {"level(2)": 3})
     return log, [mpc.formulation.describe_variable(i) for i in range(mpc.formulation.layout.n)]
@@ -73,7 +73,7 @@ def transitions() -> Any:
 
 
 def section() -> Any:
-    return plot_section(hys.load("heat_and_cool").pwa, "T(1)", "T(2)", {"T(3)": 20.0, "T_room": 20.0})
+    return plot_section(hys.load("heat_and_cool").pwa.merge(), "T(1)", "T(2)", {"T(3)": 20.0, "T_room": 20.0})
 
 
 def clutch_section() -> Any:
@@ -100,7 +100,7 @@ def spy() -> Any:
 
 def reachable() -> Any:
     tanks = hys.load("two_tanks")
-    return plot_reach(hys.reach(tanks, {"h1": (0.1, 0.2), "h2": 0.3}, steps=4), ("h1", "h2"))
+    return plot_reach(hys.reach(tanks, {"h1": (0.1, 0.2), "h2": (0.3, 0.32)}, 3, inputs={"valve": 0}), ("h1", "h2"))
 
 
 PICTURES: tuple[Callable[[], Any], ...] = (

@@ -31,8 +31,16 @@ def on_config(config: Any) -> Any:
     """Every page of a diagnostic is in the navigation, in the order of the codes."""
     pages = sorted((ROOT / "docs" / "errors").glob("HYS*.md"))
     entry = ["errors/README.md", *(f"errors/{page.name}" for page in pages)]
-    config["nav"] = [{"Errors": entry} if item == {"Errors": "errors/"} else item for item in config["nav"]]
+    nav = [{"Errors": entry} if item == {"Errors": "errors/"} else item for item in config["nav"]]
+    config["nav"] = [item for item in map(_present, nav) if item != {"Bridges": []}]
     return config
+
+
+def _present(item: Any) -> Any:
+    """The section of bridges without pages that are not there."""
+    if not isinstance(item, dict) or "Bridges" not in item:
+        return item
+    return {"Bridges": [page for page in item["Bridges"] if (ROOT / "docs" / next(iter(page.values()))).exists()]}
 
 
 def on_files(files: Files, config: Any) -> Files:

@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from itertools import groupby, pairwise
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -21,12 +21,16 @@ if TYPE_CHECKING:
 
 __all__ = ["mode_names", "plot_bands", "plot_timeline", "plot_visits"]
 
-_BAND = 0.16
+_BAND = 0.22
 """How much of its colour a band behind signals has."""
+_COLOURS = (*COLOURS[4:6], COLOURS[3], COLOURS[2], COLOURS[0], COLOURS[1])
+"""Signals begin with the others."""
+_ALL_OFF, _OFF_COLOUR = "all off", "#BBBBBB"
 _MOST_NAMED = 8
 """Legends name the modes that last longest."""
 
 Span = tuple[str, float, float]
+Point = tuple[float, float]
 
 
 def mode_names(trajectory: Trajectory, booleans: Sequence[str] = ()) -> tuple[str, ...]:
@@ -48,7 +52,7 @@ def mode_names(trajectory: Trajectory, booleans: Sequence[str] = ()) -> tuple[st
     if unknown or not names:
         raise ArgumentError(f"modes are made of Boolean auxiliaries; {unknown or 'the run'} has none: {', '.join(names)}")
     columns = [names.index(name) for name in booleans or names]
-    return tuple(" ".join(names[i] for i in columns if row[i] > 0.5) or "all off" for row in trajectory.d)
+    return tuple(" ".join(names[i] for i in columns if row[i] > 0.5) or _ALL_OFF for row in trajectory.d)
 
 
 def plot_bands(
@@ -99,12 +103,12 @@ def plot_visits(trajectory: Trajectory, *, booleans: Sequence[str] = ()) -> Figu
     moves = Counter((before, after) for before, after in pairwise(words) if before != after)
     figure, axes = new_axes(7.0, 5.0)
     places = _circle(list(stays))
-    colours = {name: COLOURS[i % len(COLOURS)] for i, name in enumerate(stays)}
-    for name, count in stays.items():
-        _draw_mode(axes, places[name], f"{name}\n{count} step{'s' * (count > 1)}", colours[name])
+    colours = _coloured(stays)
+    boxes = {name: _draw_mode(axes, places[name], _stay(name, count), colours[name]) for name, count in stays.items()}
     for (before, after), count in moves.items():
-        _draw_move(axes, places[before], places[after], str(count))
-    axes.set(xlim=(-1.7, 1.7), ylim=(-1.4, 1.4))
+        _draw_move(axes, (places[before], places[after]), (boxes[before], boxes[after]), str(count))
+    heights = [height for _, height in places.values()]
+    axes.set(xlim=(-1.7, 1.7), ylim=(min(heights) - 0.35, max(heights) + 0.35))
     axes.set_axis_off()
     return figure
 
@@ -123,7 +127,13 @@ def _spans(trajectory: Trajectory, booleans: Sequence[str]) -> list[Span]:
 def _colours(spans: Sequence[Span]) -> dict[str, str]:
     """A colour for each mode, in the order of its first time."""
     names = dict.fromkeys(name for name, _, _ in spans)
-    return {name: COLOURS[i % len(COLOURS)] for i, name in enumerate(names)}
+    every = _coloured(names)
+    return {name: every[name] for name in names}
+
+
+def _coloured(names: Iterable[str]) -> dict[str, str]:
+    others = [name for name in names if name != _ALL_OFF]
+    return {_ALL_OFF: _OFF_COLOUR} | {name: _COLOURS[i % len(_COLOURS)] for i, name in enumerate(others)}
 
 
 def _longest(spans: Sequence[Span]) -> list[str]:
@@ -135,26 +145,30 @@ def _longest(spans: Sequence[Span]) -> list[str]:
     return [name for name in lasted if name in kept]
 
 
-def _circle(names: Sequence[str]) -> dict[str, tuple[float, float]]:
+def _circle(names: Sequence[str]) -> dict[str, Point]:
     """Places on a circle, clockwise from the top."""
     angles = np.pi / 2 - 2 * np.pi * np.arange(len(names)) / len(names)
     return {name: (1.2 * float(np.cos(a)), float(np.sin(a))) for name, a in zip(names, angles, strict=True)}
 
 
-def _draw_mode(axes: Axes, place: tuple[float, float], text: str, colour: str) -> None:
+def _stay(name: str, count: int) -> str:
+    return f"{name}\n{count} step{'s' * (count > 1)}"
+
+
+def _draw_mode(axes: Axes, place: Point, text: str, colour: str) -> Any:
     box = {"boxstyle": "round,pad=0.4", "facecolor": "white", "edgecolor": colour, "linewidth": 2.0}
-    axes.text(*place, text, ha="center", va="center", fontsize=9, zorder=3, bbox=box)
+    return axes.text(*place, text, ha="center", va="center", fontsize=9, zorder=2, bbox=box).get_bbox_patch()
 
 
-def _draw_move(axes: Axes, begin: tuple[float, float], end: tuple[float, float], text: str) -> None:
+def _draw_move(axes: Axes, ends: tuple[Point, Point], boxes: tuple[Any, Any], text: str) -> None:
     """An arrow that is bent to one side, so that the way back has room; the count beside its middle."""
     from matplotlib.patches import FancyArrowPatch
 
     arrow = FancyArrowPatch(
-        begin, end, shrinkA=28, shrinkB=28, mutation_scale=14, arrowstyle="-|>", connectionstyle="arc3,rad=0.18",
-        color=MUTED, linewidth=1.2, zorder=2,
+        *ends, patchA=boxes[0], patchB=boxes[1], shrinkA=2, shrinkB=2, mutation_scale=14, arrowstyle="-|>",
+        connectionstyle="arc3,rad=0.18", color=MUTED, linewidth=1.2, zorder=3,
     )  # fmt: skip
     axes.add_patch(arrow)
-    along = np.subtract(end, begin)
-    middle = np.add(begin, end) / 2 + 0.13 * np.array([along[1], -along[0]])
-    axes.text(*middle, text, ha="center", va="center", fontsize=8, color=MUTED, zorder=4)
+    along = np.subtract(ends[1], ends[0])
+    middle = np.add(*ends) / 2 + 0.13 * np.array([along[1], -along[0]])
+    axes.text(*middle, text, ha="center", va="center", fontsize=9, color=MUTED, zorder=4)
