@@ -161,7 +161,7 @@ def same(shown: str, found: str) -> bool:
         left, right = float(shown.strip("[](),:")), float(found.strip("[](),:"))
     except ValueError:
         return shown == found
-    return abs(left - right) <= max(1e-6, 0.02 * abs(right))
+    return left == right or abs(left - right) <= max(1e-6, 0.02 * abs(right))
 
 
 def alike(shown: str, found: str) -> bool:

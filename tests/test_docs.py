@@ -62,6 +62,17 @@ def self_tests_pass(names, folder):
         assert subprocess.run([folder / name], capture_output=True, check=False).returncode == 0
 
 
+def test_calls_beside_those_of_other_tools_are_run():
+    """What the right columns of coming-from.md call is called in its programs."""
+    text = (ROOT / "docs" / "coming-from.md").read_text(encoding="utf-8")
+    ours = [line.rsplit("|", 2)[1] for line in text.splitlines() if line.startswith("|")]
+    calls = {call for column in ours for call in re.findall(r"(?:hys|\w)\.(\w+)\(", column)}
+    calls |= {name for column in ours for name in re.findall(r"hys\.(\w+)", column)}
+    run = "\n".join(code for _, code in programs(text))
+    assert len(calls) > 20
+    assert not [call for call in calls if not re.search(rf"\.{call}\b", run)]
+
+
 def test_every_public_name_is_in_the_reference_once():
     pages = (ROOT / "docs" / "reference").glob("*.md")
     shown = re.findall(r"^::: (\S+)$", "\n".join(page.read_text(encoding="utf-8") for page in pages), re.MULTILINE)
@@ -88,7 +99,7 @@ def test_the_blocks_are_found():
 
 
 def test_a_session_runs_files_programs_and_commands(tmp_path):
-    page = '''```python title="greet.py"
+    page = """```python title="greet.py"
 print("hello", 2)
 ```
 
@@ -111,7 +122,7 @@ print(1, 2)
 ```python
 raise ValueError
 ```
-'''
+"""
     found = [(output.shown, output.found) for output in outputs(page, Session(tmp_path))]
     assert found == [("hello 2.01\n", "hello 2\n"), ("0\n", "0\n"), ("1 3\n", "1 2\n")]
     assert [alike(*pair) for pair in found] == [True, True, False]

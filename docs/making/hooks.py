@@ -158,4 +158,3 @@ def _problem(link: str, path: Path, pages: dict[Path, _Page]) -> str:
 def _is_anchor(link: str) -> bool:
     """Links of text may lead to the network; nothing that a browser would load by itself may."""
     return not re.search(r"\.(js|css|woff2?|png|svg)(\?|$)", link)
-

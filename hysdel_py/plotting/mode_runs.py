@@ -48,9 +48,11 @@ def mode_names(trajectory: Trajectory, booleans: Sequence[str] = ()) -> tuple[st
         A name is no Boolean auxiliary, or the run has none.
     """
     names = trajectory.names.get("d", ())
+    if not names:
+        raise ArgumentError("modes are made of Boolean auxiliaries, and the run has none")
     unknown = [name for name in booleans if name not in names]
-    if unknown or not names:
-        raise ArgumentError(f"modes are made of Boolean auxiliaries; {unknown or 'the run'} has none: {', '.join(names)}")
+    if unknown:
+        raise ArgumentError(f"{', '.join(unknown)} is no Boolean auxiliary: there are {', '.join(names)}")
     columns = [names.index(name) for name in booleans or names]
     return tuple(" ".join(names[i] for i in columns if row[i] > 0.5) or _ALL_OFF for row in trajectory.d)
 

@@ -54,8 +54,8 @@ def sweep(
     seeds : iterable of int or str
         Numbers or names, each once.
     executor : optional
-        A pool of threads or processes of :mod:`concurrent.futures`, ``client.get_executor()`` of Dask, or anything whose
-        ``submit`` returns a :class:`concurrent.futures.Future`; without one the tasks run here, one after the other.
+        A pool of threads or processes of :mod:`concurrent.futures`, ``client.get_executor()`` of Dask, or anything
+        whose ``submit`` returns a :class:`concurrent.futures.Future`; without one the tasks run here, one by one.
     resume : path, optional
         A file that every finished task is written to. Where it exists, results in it are taken over and failed tasks
         are run again. Results are then plain data: arrays become lists.
@@ -72,7 +72,8 @@ def sweep(
     Raises
     ------
     ArgumentError
-        A seed is twice there or neither int nor str, the task cannot be sent to processes, or the file is of another task.
+        A seed is twice there or neither int nor str, the task cannot be sent to processes, or the file belongs to
+        another task.
     """
     every = _checked(seeds)
     _require(task, executor, window)

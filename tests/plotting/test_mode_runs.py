@@ -1,5 +1,7 @@
 """Pictures of modes: bands, timeline and moves of a run."""
 
+from itertools import pairwise
+
 import pytest
 
 import hysdel_py as hys
@@ -17,7 +19,7 @@ def run():
 
 
 def changes(words):
-    return sum(a != b for a, b in zip(words, words[1:], strict=False))
+    return sum(a != b for a, b in pairwise(words))
 
 
 def test_modes_have_the_names_of_what_is_on(run):
@@ -28,9 +30,14 @@ def test_modes_have_the_names_of_what_is_on(run):
     assert mode_names(run)[0].split()[0] == "cold(1)"
 
 
+def test_a_run_without_booleans_has_no_modes():
+    with pytest.raises(hys.ArgumentError, match="the run has none"):
+        mode_names(hys.load("linear_clutch").simulate([120.0, 60.0, 80.0], [[0.0]] * 2))
+
+
 @pytest.mark.parametrize("names", [("T(9)",), ("T(1)",)])
 def test_what_is_no_boolean_is_refused(run, names):
-    with pytest.raises(hys.ArgumentError, match="made of Boolean auxiliaries"):
+    with pytest.raises(hys.ArgumentError, match="is no Boolean auxiliary: there are cold"):
         mode_names(run, names)
 
 

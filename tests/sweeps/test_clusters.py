@@ -21,12 +21,17 @@ def root(seed):
     return float(seed) ** 0.5
 
 
+def block(head):
+    """What follows in a block of the page that begins so."""
+    page = PAGE.read_text(encoding="utf-8")
+    return re.search(re.escape(head) + r"(.*?)^```$", page, re.MULTILINE | re.DOTALL)[1]
+
+
 @pytest.fixture
 def study(tmp_path, monkeypatch):
     """The module of the page, and its file."""
     file = tmp_path / "tank_study.py"
-    page = PAGE.read_text(encoding="utf-8")
-    file.write_text(re.search(r'title="tank_study.py"\n(.*?)^```$', page, re.MULTILINE | re.DOTALL)[1], encoding="utf-8")
+    file.write_text(block('title="tank_study.py"\n'), encoding="utf-8")
     monkeypatch.syspath_prepend(tmp_path)
     yield importlib.import_module("tank_study"), file
     sys.modules.pop("tank_study")
@@ -41,7 +46,8 @@ def test_dask(study, tmp_path):
         distributed.Client(cluster) as client,
     ):
         client.upload_file(str(file))
-        found = hys.sweep(module.settle, range(5), executor=client.get_executor(), resume=tmp_path / "run.jsonl", window=3)
+        pool = client.get_executor()
+        found = hys.sweep(module.settle, range(5), executor=pool, resume=tmp_path / "run.jsonl", window=3)
     assert found == hys.sweep(module.settle, range(5), resume=tmp_path / "here.jsonl")
     assert found.failure_text() == "seed 3: RuntimeError: sensor model diverged"
 
@@ -71,7 +77,7 @@ def ray(monkeypatch):
 
 
 def test_the_executor_for_ray_of_the_page(ray):
-    block = re.search(r"```python\n(import ray\n.*?)^```$", PAGE.read_text(encoding="utf-8"), re.MULTILINE | re.DOTALL)[1]
+    program = "import ray" + block("```python\nimport ray")
     namespace = {"hys": hys, "settle": root}
-    exec(block.replace("range(1000)", "range(6)"), namespace)
+    exec(program.replace("range(1000)", "range(6)"), namespace)
     assert namespace["found"] == hys.sweep(root, range(6))
