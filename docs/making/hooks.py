@@ -24,6 +24,7 @@ LOG = logging.getLogger("mkdocs.hooks.hysdel_py")  # what is logged here as a wa
 
 FENCED = re.compile(r"^```.*?^```$", re.MULTILINE | re.DOTALL)
 FORMULA = re.compile(r"\$\$(.+?)\$\$|(?<![\w$\\])\$([^\s$](?:[^$\n`]*[^\s$])?)\$(?!\w)", re.DOTALL)
+ROLE = re.compile(r":(?:class|func|meth|mod|attr|data|exc):(<code>)~?(?:hysdel_py\.[\w.]*\.)?")
 LINK = re.compile(r"(!?\[[^\]]*\])\(([^)\s]+)\)")
 
 
@@ -56,6 +57,11 @@ def on_page_markdown(markdown: str, page: Any, **_: Any) -> str:
     """Links that leave the site are made plain text; formulas become MathML."""
     uri = page.file.src_uri
     return _outside_fences(markdown, lambda text: FORMULA.sub(_mathml, LINK.sub(lambda m: _link(m, uri), text)))
+
+
+def on_page_content(html: str, **_: Any) -> str:
+    """Docstrings name what they refer to by roles, which this generator would show as they are."""
+    return ROLE.sub(r"\1", html)
 
 
 def on_post_build(config: Any) -> None:

@@ -173,4 +173,4 @@ def _draw_move(axes: Axes, ends: tuple[Point, Point], boxes: tuple[Any, Any], te
     axes.add_patch(arrow)
     along = np.subtract(ends[1], ends[0])
     middle = np.add(*ends) / 2 + 0.13 * np.array([along[1], -along[0]])
-    axes.text(*middle, text, ha="center", va="center", fontsize=9, color=MUTED, zorder=4)
+    axes.text(float(middle[0]), float(middle[1]), text, ha="center", va="center", fontsize=9, color=MUTED, zorder=4)
