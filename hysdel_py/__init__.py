@@ -87,6 +87,8 @@ if TYPE_CHECKING:
     from hysdel_py.reports.safety import can_reach, must_reach
     from hysdel_py.reports.safety_answer import SafetyAnswer
     from hysdel_py.shipped import shipped_models
+    from hysdel_py.sweeps.record import Sweep, SweepRecord
+    from hysdel_py.sweeps.sweep import sweep
     from hysdel_py.systems.dha import Dha
     from hysdel_py.systems.lti import Lti
     from hysdel_py.systems.mld import Mld
@@ -167,6 +169,8 @@ __all__ = [
     "SpeedSource",
     "SpringDamper",
     "Stribeck",
+    "Sweep",
+    "SweepRecord",
     "SwitchModel",
     "TorqueSource",
     "Trajectory",
@@ -199,6 +203,7 @@ __all__ = [
     "solve_lcp",
     "solve_mpmiqp",
     "solve_mpqp",
+    "sweep",
     "to_c",
     "to_dha",
     "to_mld",
@@ -283,6 +288,8 @@ _HOME = {
     "SpeedSource": "drivetrain.components",
     "SpringDamper": "drivetrain.components",
     "Stribeck": "drivetrain.laws",
+    "Sweep": "sweeps.record",
+    "SweepRecord": "sweeps.record",
     "SwitchModel": "drivetrain.schemes.options",
     "TorqueSource": "drivetrain.components",
     "Trajectory": "systems.trajectory",
@@ -314,6 +321,7 @@ _HOME = {
     "solve_lcp": "optimize.lcp.solve",
     "solve_mpmiqp": "optimize.mpmiqp",
     "solve_mpqp": "optimize.mpqp",
+    "sweep": "sweeps.sweep",
     "to_c": "export.plant_c",
     "to_dha": "model",
     "to_mld": "model",

@@ -47,6 +47,7 @@ MAY_IMPORT: dict[str, set[str]] = {
     },
     "plotting": {"errors", "systems"},
     "shipped": {"syntax"},
+    "sweeps": {"errors"},
     "compiler": {"errors", "diagnostics", "syntax", "elaboration", "semantics", "systems", "lowering", "geometry"},
     "model": {"errors", "diagnostics", "semantics", "systems", "lowering", "compiler"},
     "reports": {"errors", "diagnostics", "syntax", "semantics", "systems", "control", "analysis", "model"},

@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-__all__ = ["draw_held", "draw_modes", "draw_signal", "plot_trajectory"]
+__all__ = ["draw_held", "draw_modes", "draw_signal", "plot_trajectory", "time_label"]
 
 Signal = tuple[str, Variable]
 Vector = NDArray[np.float64]
@@ -47,13 +47,14 @@ def plot_trajectory(trajectory: Trajectory, names: Sequence[str] = (), time_unit
         panel.ticklabel_format(axis="y", style="sci", scilimits=(-3, 5), useMathText=True)
     if booleans:
         draw_modes(axes[-1], trajectory, booleans)
-    label = _time_label(trajectory, time_unit)
+    label = time_label(trajectory, time_unit)
     axes[-1].set_xlabel(label)
     axes[-1].locator_params(axis="x", integer=label == "step")
     return figure
 
 
-def _time_label(trajectory: Trajectory, unit: str) -> str:
+def time_label(trajectory: Trajectory, unit: str) -> str:
+    """Label of the time axis: with the unit that is given, or steps or seconds."""
     if unit:
         return f"time [{unit}]"
     whole = trajectory.steps == 0 or np.allclose(np.diff(trajectory.t), 1.0)

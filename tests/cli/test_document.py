@@ -11,14 +11,12 @@ import shlex
 from dataclasses import dataclass
 from pathlib import Path
 
-import pytest
+from pages import same, steady
 
 from hysdel_py.cli.main import build_parser
 
 PAGE = Path(__file__).parents[2] / "docs" / "cli.md"
 BLOCK = re.compile(r"^```console\n(.*?)^```$", re.MULTILINE | re.DOTALL)
-UNSTEADY = ("bound", "gap", "nodes", "qps", "seconds")
-UNSTEADY_LINES = ("search:", "solve time", "nodes and quadratic programs", "moves by the predictive controller")
 
 
 @dataclass
@@ -52,27 +50,6 @@ def sessions(text):
             command, _, shown = re.sub(r"\\\n\s*", "", part).partition("\n")
             found.append((command, shown.splitlines()))
     return found
-
-
-def steady(lines):
-    """The lines without what changes from run to run."""
-    kept, hidden = [], set()
-    for line in lines:
-        words = line.split()
-        if words and words[0] == "t":
-            hidden = {i for i, word in enumerate(words) if word in UNSTEADY}
-        elif not words or not re.fullmatch(r"[\d.]+", words[0]):
-            hidden = set()
-        if not line.strip().startswith(UNSTEADY_LINES):
-            kept.append([word for i, word in enumerate(words) if i not in hidden])
-    return kept
-
-
-def same(shown, found):
-    try:
-        return float(shown) == pytest.approx(float(found), rel=0.02, abs=1e-6)
-    except ValueError:
-        return shown == found
 
 
 def test_page_shows_what_the_commands_print(hysdel, tmp_path):
