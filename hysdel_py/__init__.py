@@ -84,6 +84,7 @@ if TYPE_CHECKING:
     from hysdel_py.optimize.warm_up import warm_up
     from hysdel_py.reports.explain_infeasible import explain_infeasible
     from hysdel_py.reports.explanation import Explanation
+    from hysdel_py.reports.page import html_report
     from hysdel_py.reports.safety import can_reach, must_reach
     from hysdel_py.reports.safety_answer import SafetyAnswer
     from hysdel_py.shipped import shipped_models
@@ -183,6 +184,7 @@ __all__ = [
     "explain_infeasible",
     "explicit",
     "feasible_states",
+    "html_report",
     "invariant_set",
     "load",
     "lyapunov",
@@ -298,6 +300,7 @@ _HOME = {
     "explain_infeasible": "reports.explain_infeasible",
     "explicit": "control.explicit",
     "feasible_states": "analysis.invariance",
+    "html_report": "reports.page",
     "invariant_set": "analysis.invariance",
     "load": "model",
     "lyapunov": "analysis.lyapunov",

@@ -28,6 +28,7 @@ COMMANDS = (
     "compile",
     "show",
     "graph",
+    "report",
     "simulate",
     "mpc",
     "explicit",
