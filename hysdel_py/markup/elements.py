@@ -34,7 +34,8 @@ def element(tag: str, *children: Child, **attributes: Any) -> Markup:
         A trailing underscore is dropped, as in ``class_``, other underscores become hyphens; None and False leave the
         attribute out, True gives one without a value.
     """
-    written = "".join(_attribute(name, value) for name, value in attributes.items() if value not in (None, False))
+    given = {name: value for name, value in attributes.items() if value is not None and value is not False}
+    written = "".join(_attribute(name, value) for name, value in given.items())
     inside = fragment(*children)
     if tag in _VOID and not inside:
         return Markup(f"<{tag}{written}/>")
