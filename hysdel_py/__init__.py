@@ -19,6 +19,8 @@ if TYPE_CHECKING:
     from hysdel_py.analysis.report import Verification
     from hysdel_py.analysis.verify import verify
     from hysdel_py.analysis.well_posed import WellPosedness, well_posed
+    from hysdel_py.bridges.iosystem import to_iosystem
+    from hysdel_py.bridges.toolboxes import from_iosystem, to_scipy
     from hysdel_py.control.closed_loop import closed_loop
     from hysdel_py.control.costs import Cost
     from hysdel_py.control.disturbance import with_disturbances
@@ -70,6 +72,7 @@ if TYPE_CHECKING:
     from hysdel_py.drivetrain.signals import PiecewiseLinear
     from hysdel_py.drivetrain.trajectory import ContactMode, DrivetrainTrajectory
     from hysdel_py.errors import ArgumentError, CompileError, HysdelError, SimulationError
+    from hysdel_py.export.fmu import to_fmu
     from hysdel_py.export.json_file import read_json
     from hysdel_py.export.plant_c import to_c
     from hysdel_py.geometry.polyhedron import Polyhedron
@@ -184,6 +187,7 @@ __all__ = [
     "explain_infeasible",
     "explicit",
     "feasible_states",
+    "from_iosystem",
     "html_report",
     "invariant_set",
     "load",
@@ -203,8 +207,11 @@ __all__ = [
     "solve_mpqp",
     "to_c",
     "to_dha",
+    "to_fmu",
+    "to_iosystem",
     "to_mld",
     "to_pwa",
+    "to_scipy",
     "to_symbolic_mld",
     "verify",
     "warm_up",
@@ -300,6 +307,7 @@ _HOME = {
     "explain_infeasible": "reports.explain_infeasible",
     "explicit": "control.explicit",
     "feasible_states": "analysis.invariance",
+    "from_iosystem": "bridges.toolboxes",
     "html_report": "reports.page",
     "invariant_set": "analysis.invariance",
     "load": "model",
@@ -319,8 +327,11 @@ _HOME = {
     "solve_mpqp": "optimize.mpqp",
     "to_c": "export.plant_c",
     "to_dha": "model",
+    "to_fmu": "export.fmu",
+    "to_iosystem": "bridges.iosystem",
     "to_mld": "model",
     "to_pwa": "model",
+    "to_scipy": "bridges.toolboxes",
     "to_symbolic_mld": "model",
     "verify": "analysis.verify",
     "warm_up": "optimize.warm_up",
@@ -335,6 +346,13 @@ def __getattr__(name: str) -> object:
     value = getattr(import_module(f"hysdel_py.{_HOME[name]}"), name)
     globals()[name] = value
     return value
+
+
+def load_ipython_extension(shell: object) -> None:
+    """Make the cell magic ``%%hysdel`` known to IPython; what ``%load_ext hysdel_py`` calls."""
+    from hysdel_py.notebook.magic import register
+
+    register(shell)
 
 
 def __dir__() -> list[str]:

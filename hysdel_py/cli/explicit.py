@@ -15,12 +15,14 @@ from typing import Any
 from hysdel_py.cli.arguments import add_model, add_output, assignments, load_model
 from hysdel_py.cli.controller import add_demands, add_shape, all_limits, blocking_of, cost_of, references_of, spans
 from hysdel_py.cli.output import check_target, print_json
+from hysdel_py.cli.writers import report_unit
 from hysdel_py.control.explicit_hybrid import explicit_hybrid
 from hysdel_py.control.hybrid_certificate import HybridCertificate
 from hysdel_py.control.hybrid_law import HybridLaw
 from hysdel_py.control.hybrid_mpc import HybridMpc
 from hysdel_py.errors import ArgumentError
 from hysdel_py.export.c_text import source_path
+from hysdel_py.export.fmu import to_fmu
 from hysdel_py.model import Model
 from hysdel_py.optimize.mpmiqp import MpMiqpSettings
 
@@ -42,6 +44,7 @@ The exit status is 1 if the law is incomplete or differs from the controller.
 _WRITERS = (
     ("--c", "FILE.c", "write the law as C, with a header beside it"),
     ("--python", "FILE.py", "write the law as a Python module that needs nothing but Python"),
+    ("--fmu", "FILE.fmu", "write the law as a functional mock-up unit (FMI 2.0, co-simulation)"),
 )
 
 
@@ -90,6 +93,8 @@ def run(options: argparse.Namespace) -> int:
         law.to_c(options.c)
     if options.python:
         law.to_python(options.python)
+    if options.fmu:
+        report_unit(to_fmu(law, options.fmu))
     certificate = law.certificate(mpc, options.samples, options.seed) if options.samples else None
     if options.json:
         print_json(_summary(law, certificate))
@@ -100,7 +105,7 @@ def run(options: argparse.Namespace) -> int:
 
 
 def _check(options: argparse.Namespace) -> None:
-    for option in ("out", "c", "python"):
+    for option in ("out", "c", "python", "fmu"):
         if target := getattr(options, option):
             check_target(Path(target), f"--{option}")
     if options.c:

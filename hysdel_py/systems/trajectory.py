@@ -56,6 +56,11 @@ class Trajectory:
         signals = "; ".join(", ".join(self.names[key]) for key in ("x", "u", "y") if self.names.get(key))
         return f"<Trajectory of {counted(self.steps, 'step')} to t={self.t[-1]:g}: {signals}>"
 
+    def _repr_html_(self) -> str:
+        from hysdel_py.markup.cards import trajectory_card
+
+        return trajectory_card(self)
+
     @property
     def steps(self) -> int:
         """Number N of steps."""

@@ -4,9 +4,9 @@ import os
 import shutil
 
 import pytest
+from reports.test_page import HOSTILE
 
 import hysdel_py as hys
-from reports.test_page import HOSTILE
 
 selenium = pytest.importorskip("selenium", reason="selenium is not installed: pip install selenium")
 BROWSER, DRIVER = shutil.which("chromium") or shutil.which("google-chrome"), shutil.which("chromedriver")
@@ -15,8 +15,8 @@ pytestmark = pytest.mark.skipif(
     reason="no browser to look with: install chromium and chromedriver (Debian: apt install chromium chromium-driver)",
 )
 FLAGS = (
-    "--headless", "--no-sandbox", "--disable-gpu", "--disable-quic", "--no-first-run", "--disable-background-networking",
-    "--disable-component-update", "--disable-sync", "--window-size=1200,1600",
+    "--headless", "--no-sandbox", "--disable-gpu", "--disable-quic", "--no-first-run",
+    "--disable-background-networking", "--disable-component-update", "--disable-sync", "--window-size=1200,1600",
 )  # fmt: skip
 
 
