@@ -71,7 +71,7 @@ if TYPE_CHECKING:
     )
     from hysdel_py.drivetrain.signals import PiecewiseLinear
     from hysdel_py.drivetrain.trajectory import ContactMode, DrivetrainTrajectory
-    from hysdel_py.errors import ArgumentError, CompileError, HysdelError, SimulationError
+    from hysdel_py.errors import ArgumentError, CompileError, HysdelError, Interrupted, SimulationError
     from hysdel_py.export.fmu import to_fmu
     from hysdel_py.export.json_file import read_json
     from hysdel_py.export.plant_c import to_c
@@ -132,6 +132,7 @@ __all__ = [
     "HybridSet",
     "HysdelError",
     "Inertia",
+    "Interrupted",
     "Invariant",
     "KalmanObserver",
     "Karnopp",
@@ -253,6 +254,7 @@ _HOME = {
     "HybridSet": "analysis.hybrid_set",
     "HysdelError": "errors",
     "Inertia": "drivetrain.components",
+    "Interrupted": "errors",
     "Invariant": "analysis.invariance",
     "KalmanObserver": "control.observer",
     "Karnopp": "drivetrain.schemes.options",

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -58,12 +59,13 @@ def to_iosystem(
 
     Notes
     -----
-    Booleans are numbers there: what is above one half counts as 1. Ranges and MUST are not checked. A controller without
-    a plan, and a model without a step, raise SimulationError.
+    Booleans are numbers there: what is above one half counts as 1. Ranges and MUST are not checked. A controller
+    without a plan, and a model without a step, raise SimulationError.
     """
     control = _control()
     if hasattr(system, "solve"):
-        return _controller(control, system, name or "controller", sample_time, ref, tuple(references))
+        answer = _answer(system, ref, tuple(references))
+        return _controller(control, system, answer, name=name or "controller", sample_time=sample_time)
     if ref is not None or references:
         raise ArgumentError("ref and references belong to a controller: leave them out")
     if isinstance(system, Lti) and system.is_homogeneous:
@@ -126,18 +128,41 @@ def _identifier(name: str) -> str:
     return identifiers([name])[name]
 
 
-def _controller(
-    control: Any, controller: Any, name: str, sample_time: float | None, ref: Any, references: tuple[str, ...]
-) -> Any:
-    known = _signals(controller)
-    x, u = _names(known.x, known.u)
+@dataclass(frozen=True, slots=True)
+class _Answer:
+    """The input of the plant for the inputs of a controller: states, then references."""
+
+    controller: Any
+    signals: Any
+    ref: Mapping[str, float]
+    references: tuple[str, ...]
+    previous: bool
+
+    def __call__(self, last: Vector, given: Vector) -> Vector:
+        values, count = np.atleast_1d(np.asarray(given, dtype=float)), len(self.signals.x)
+        wanted = {**self.ref, **dict(zip(self.references, values[count:].tolist(), strict=True))}
+        more = {"last_input": _rounded(last, self.signals.u)} if self.previous else {}
+        move = self.controller.solve(_rounded(values[:count], self.signals.x), wanted or None, **more)
+        if move.u is None:
+            raise SimulationError((f"the controller has no input: {move.message}",))
+        return np.asarray(move.u, dtype=float)
+
+
+def _answer(controller: Any, ref: Mapping[str, float] | None, references: tuple[str, ...]) -> _Answer:
     previous = bool(getattr(controller, "uses_last_input", False))
-    answer = _answer(controller, len(x), ref, references, previous=previous)
+    return _Answer(controller, _signals(controller), dict(ref or {}), references, previous)
+
+
+def _controller(control: Any, controller: Any, answer: _Answer, *, name: str, sample_time: float | None) -> Any:
+    x, u = _names(answer.signals.x, answer.signals.u)
+
+    def given(_t: float, last: Vector, values: Vector, _params: Any) -> Vector:
+        return answer(last, values)
+
     return control.NonlinearIOSystem(
-        (lambda _t, last, given, _params: answer(given, last)) if previous else None,
-        lambda _t, last, given, _params: answer(given, last),
-        inputs=[*x, *(_identifier(f"r_{signal}") for signal in references)], outputs=u,
-        states=[f"{label}_last" for label in u] if previous else 0, dt=_dt(controller, sample_time),
+        given if answer.previous else None, given,
+        inputs=[*x, *(_identifier(f"r_{signal}") for signal in answer.references)], outputs=u,
+        states=[f"{label}_last" for label in u] if answer.previous else 0, dt=_dt(controller, sample_time),
         name=_identifier(name),
     )  # fmt: skip
 
@@ -149,21 +174,3 @@ def _signals(controller: Any) -> Any:
     if found is None:
         raise ArgumentError(f"the {type(controller).__name__} does not name its states and inputs: {_EXPECTED}")
     return found
-
-
-def _answer(
-    controller: Any, count: int, ref: Any, references: tuple[str, ...], *, previous: bool
-) -> Callable[[Vector, Vector], Vector]:
-    """The input of the plant for the inputs of the controller."""
-    signals = _signals(controller)
-
-    def answer(given: Vector, last: Vector) -> Vector:
-        values = np.atleast_1d(np.asarray(given, dtype=float))
-        wanted = dict(ref or {}) | dict(zip(references, values[count:].tolist(), strict=True))
-        more = {"last_input": _rounded(last, signals.u)} if previous else {}
-        move = controller.solve(_rounded(values[:count], signals.x), wanted or None, **more)
-        if move.u is None:
-            raise SimulationError((f"the controller has no input: {move.message}",))
-        return np.asarray(move.u, dtype=float)
-
-    return answer

@@ -3,8 +3,6 @@
 from __future__ import annotations
 
 import argparse
-import sys
-from collections.abc import Callable
 from concurrent.futures import ProcessPoolExecutor
 from contextlib import nullcontext
 from dataclasses import asdict
@@ -15,6 +13,7 @@ from typing import Any
 from hysdel_py.cli.arguments import add_model, add_output, assignments, load_model
 from hysdel_py.cli.controller import add_demands, add_shape, all_limits, blocking_of, cost_of, references_of, spans
 from hysdel_py.cli.output import check_target, print_json
+from hysdel_py.cli.progress import clear_progress, counter
 from hysdel_py.cli.writers import report_unit
 from hysdel_py.control.explicit_hybrid import explicit_hybrid
 from hysdel_py.control.hybrid_certificate import HybridCertificate
@@ -133,7 +132,7 @@ def _law(mpc: HybridMpc, options: argparse.Namespace) -> HybridLaw:
     fixed = assignments(options.fix, "--fix")
     fixed |= {f"r({name})": value for name, value in (references_of(options) or {}).items()}
     workers = ProcessPoolExecutor(options.workers) if options.workers > 1 else nullcontext()
-    progress = _progress(not options.json)
+    progress = counter(not options.json, "{} sequences solved, {} regions, {} sequences waiting")
     with workers as pool:
         law = explicit_hybrid(
             mpc,
@@ -144,19 +143,8 @@ def _law(mpc: HybridMpc, options: argparse.Namespace) -> HybridLaw:
             settings=MpMiqpSettings(seconds=inf if options.time_limit is None else options.time_limit),
             reduce=not options.keep_overlaps,
         )
-    if progress is not None:
-        print("\r\x1b[K", end="", file=sys.stderr, flush=True)
+    clear_progress(progress)
     return law
-
-
-def _progress(enabled: bool) -> Callable[[int, int, int], None] | None:
-    """A report on one line of a terminal; None if there is no terminal to write to."""
-    if not enabled or not sys.stderr.isatty():
-        return None
-    return lambda solved, regions, waiting: print(
-        f"\r\x1b[K{solved} sequences solved, {regions} regions, {waiting} sequences waiting",
-        end="", file=sys.stderr, flush=True,
-    )  # fmt: skip
 
 
 def _summary(law: HybridLaw, certificate: HybridCertificate | None) -> dict[str, Any]:

@@ -18,6 +18,7 @@ if TYPE_CHECKING:
     from numpy.typing import ArrayLike
 
     from hysdel_py.model import Model
+    from hysdel_py.semantics.typed_model import TypedModel
 
 __all__ = ["FmuModel", "fmu_model", "law_model", "plant_model"]
 
@@ -47,6 +48,8 @@ class FmuModel:
         Bits of the result of a step and what they mean.
     source : Dha or law
         What the step function is written from.
+    typed : TypedModel or None
+        The text of a plant, for diagnostics.
     """
 
     name: str
@@ -60,6 +63,7 @@ class FmuModel:
     sample_time: float
     remarks: tuple[tuple[int, str], ...]
     source: Dha | ExplicitLaw | HybridLaw
+    typed: TypedModel | None = None
 
     @property
     def variables(self) -> tuple[Variable, ...]:
@@ -74,7 +78,7 @@ class FmuModel:
     def write_step(self, folder: Path, prefix: str) -> tuple[Path, ...]:
         """Write the step function, ``PREFIX_step``, and what it needs."""
         if isinstance(self.source, Dha):
-            return write_plant(self.source, folder / f"{prefix}.c", prefix=prefix, points=0).files
+            return write_plant(self.source, folder / f"{prefix}.c", self.typed, prefix=prefix, points=0).files
         law = self.source.to_c(folder / f"{prefix}_law.c", prefix=f"{prefix}_law", points=0)
         step = folder / f"{prefix}.c"
         lines = _law_step(self.source, prefix, [v.name for v in self.u], len(self.y))
@@ -102,7 +106,7 @@ def fmu_model(
             raise ArgumentError(
                 f"system is a {type(system).__name__}: a Model, a Dha, or an explicit law of a controller was expected"
             )
-        model = plant_model(dha, getattr(system, "sample_time", 1.0))
+        model = plant_model(dha, getattr(system, "sample_time", 1.0), getattr(system, "typed", None))
     if sample_time is not None:
         if not 0.0 < sample_time < float("inf"):
             raise ArgumentError(f"sample_time is {sample_time!r}: a positive number was expected")
@@ -110,12 +114,12 @@ def fmu_model(
     return model if x0 is None else replace(model, start=tuple(as_vector(x0, model.x, "state").tolist()))
 
 
-def plant_model(dha: Dha, sample_time: float) -> FmuModel:
+def plant_model(dha: Dha, sample_time: float, typed: TypedModel | None = None) -> FmuModel:
     """A plant; its first states are 0 or the nearest allowed value."""
     start = tuple(_nearest_to_zero(v) for v in dha.x)
     description = f"plant {dha.name}"
     return FmuModel(dha.name or "model", description, dha.x, dha.u, dha.y, dha.d, dha.z, start, sample_time,
-                    _PLANT_REMARKS, dha)  # fmt: skip
+                    _PLANT_REMARKS, dha, typed)  # fmt: skip
 
 
 def _nearest_to_zero(v: Variable) -> float:

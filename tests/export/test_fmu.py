@@ -170,7 +170,7 @@ class Unit:
         for name, value in values.items():
             variable = self.variables[name]
             setter = self.slave.setBoolean if variable.type == "Boolean" else self.slave.setReal
-            setter([variable.valueReference], [value])
+            setter([variable.valueReference], [bool(value) if variable.type == "Boolean" else value])
 
     def get(self, *names):
         getters = {"Boolean": self.slave.getBoolean, "Real": self.slave.getReal, "Integer": self.slave.getInteger}
@@ -222,10 +222,10 @@ def test_fmpy_simulates_as_we_do(tmp_path):
     Unit(model, tmp_path / "tank.fmu")
     result = fmpy.simulate_fmu(
         str(tmp_path / "tank.fmu"), stop_time=10.0, output_interval=0.5,
-        start_values={"level": 2.0, "open": True, "flow": 1.5},
+        start_values={"level": 5.0, "open": True, "flow": 1.5},
         output=["level", "was", "y", "high", "z"],
     )  # fmt: skip
-    run = model.simulate([2.0, 0], [[1.5, 1]] * 21)
+    run = model.simulate([5.0, 0], [[1.5, 1]] * 21)
     assert result["level"] == pytest.approx(run["level"][:21], rel=1e-12, abs=1e-12)
     for name in ("y", "high", "z"):
         assert result[name] == pytest.approx(run[name], rel=1e-12, abs=1e-12)
@@ -279,12 +279,12 @@ def test_a_snapshot_is_come_back_to(tmp_path):
     unit = Unit(hys.load(TANK), tmp_path / "tank.fmu")
     unit.set({"flow": 1.0, "open": True})
     unit.step(0.0, 0.5)
-    kept = unit.slave.getFMUState()
+    kept = unit.slave.getFMUstate()
     before = unit.get("level", "was")
-    frozen = unit.slave.serializeFMUState(kept)
+    frozen = unit.slave.serializeFMUstate(kept)
     unit.step(0.5, 2.0)
     assert unit.get("level", "was") != before
-    unit.slave.setFMUState(unit.slave.deSerializeFMUState(frozen))
+    unit.slave.setFMUstate(unit.slave.deSerializeFMUstate(frozen))
     assert unit.get("level", "was") == before
     unit.slave.reset()
     unit.start(level=1.0)
@@ -307,11 +307,11 @@ def test_a_law_of_increments_keeps_the_input_applied_last(tmp_path):
     mpc = hys.LinearMpc(
         lti, "track", horizon=2, cost=hys.LinearCost(y=[1.0], du=[0.1]), limits=hys.LinearLimits(u=(-1, 1))
     )
-    law = hys.explicit(mpc, {"v": (-2, 2), "force(-1)": (-1, 1), "r(y0)": (-1, 1)})
+    law = hys.explicit(mpc, {"v": (-2, 2), "force(-1)": (-1, 1), "r(v)": (-1, 1)})
     unit = Unit(law, tmp_path / "law.fmu")
     last = [0.0]
     for k, v in enumerate((0.0, 0.5, 1.0)):
-        unit.set({"v": v, "r(y0)": 1.0})
+        unit.set({"v": v, "r(v)": 1.0})
         move = law.solve([v], [1.0], last)
         assert unit.get("force") == pytest.approx(move.u.tolist(), rel=1e-12, abs=1e-12)
         unit.step(0.1 * k, 0.1)

@@ -141,8 +141,10 @@ def test_records_of_a_controller_are_summed_up(hostile, run):
 
 
 def test_long_runs_are_thinned_and_it_is_said(hostile):
-    run = hostile.simulate([0.0], np.zeros((50_000, 1)))
-    shown = html_report(hostile, run)
+    short = hostile.simulate([0.0], np.zeros((1, 1)))
+    t, x = np.arange(50_001.0), np.sin(np.arange(50_001.0))[:, None]
+    long = (np.repeat(getattr(short, key), 50_000, axis=0) for key in "uydz")
+    shown = html_report(hostile, hys.Trajectory(t, x, *long, short.variables))
     assert "One of 3 steps is shown." in shown
     assert len(shown) < 2_000_000
 
