@@ -26,13 +26,17 @@ class Progress:
     def __call__(self, done: int, total: int) -> None:
         """Draw ``[######      ] step 12 of at most 50, 3 s left``."""
         now = time.monotonic()
-        if done < total and now - self._last < _LEAST_SECONDS:
+        if done < total and not self.is_due():
             return
-        self._last = now
         self.tell(f"{bar(done, total)} step {done} of at most {total}{self._left(now, done, total)}")
+
+    def is_due(self) -> bool:
+        """Whether the last line has stood long enough."""
+        return time.monotonic() - self._last >= _LEAST_SECONDS
 
     def tell(self, text: str) -> None:
         """Write a line in place of the last one."""
+        self._last = time.monotonic()
         print(f"\r{_CLEAR}{text[: _columns() - 1]}", end="", file=sys.stderr, flush=True)
 
     def _left(self, now: float, done: int, total: int) -> str:
@@ -78,7 +82,14 @@ def is_terminal() -> bool:
 def counter(enabled: bool, text: str) -> Callable[..., None] | None:
     """A report of several counts, as in ``"{} solved, {} waiting"``; None if there is no terminal to write to."""
     progress = progress_line(enabled)
-    return None if progress is None else lambda *counts: progress.tell(text.format(*counts))
+    if progress is None:
+        return None
+
+    def tell(*counts: float) -> None:
+        if progress.is_due():
+            progress.tell(text.format(*counts))
+
+    return tell
 
 
 def clear_progress(progress: object) -> None:

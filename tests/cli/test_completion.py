@@ -48,7 +48,8 @@ def complete_in_bash(hysdel, folder, *words):
     """What bash offers for the last word."""
     (folder / "script.bash").write_text(hysdel("completion", "bash").out, encoding="utf-8")
     listed = " ".join(f"'{word}'" for word in ("hysdel", *words))
-    code = f"source script.bash; COMP_WORDS=({listed}); COMP_CWORD={len(words)}; _hysdel; printf '%s\\n' \"${{COMPREPLY[@]}}\""
+    asked = f"COMP_WORDS=({listed}); COMP_CWORD={len(words)}; _hysdel"
+    code = f"source script.bash; {asked}; printf '%s\\n' \"${{COMPREPLY[@]}}\""
     done = subprocess.run(["bash", "-c", code], cwd=folder, capture_output=True, text=True, check=True)
     assert done.stderr == ""
     return done.stdout.split()

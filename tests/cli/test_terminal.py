@@ -2,13 +2,15 @@
 
 import csv
 import json
+import signal
 import subprocess
 import sys
 
 import pytest
 
 from hysdel_py.cli.colour import painted
-from hysdel_py.cli.progress import bar, spoken
+from hysdel_py.cli.interrupt import first_interrupt
+from hysdel_py.cli.progress import bar, is_terminal, spoken
 
 pytest.importorskip("pty", reason="there are no pseudo-terminals on this system")
 from cli.conftest import TANK
@@ -77,10 +79,6 @@ def test_json_has_no_progress_on_a_terminal_either(folder):
     assert watched(*LONG[:-1], "50", "--json", folder=folder).terminal == ""
 
 
-def test_a_dumb_terminal_gets_no_bar(folder):
-    assert watched(*LONG[:-1], "50", folder=folder, environment={"TERM": "dumb"}).terminal == ""
-
-
 def test_diagnostics_are_coloured(folder):
     seen = watched("check", "wrong.hys", folder=folder)
     assert seen.status == 1
@@ -89,9 +87,8 @@ def test_diagnostics_are_coloured(folder):
     assert "\x1b[36mhelp:\x1b[0m did you mean gain?" in seen.terminal
 
 
-@pytest.mark.parametrize("environment", [{"NO_COLOR": "1"}, {"TERM": "dumb"}])
-@pytest.mark.parametrize("command", ["check", "compile"])
-def test_no_colour_where_none_is_wanted(folder, environment, command):
+@pytest.mark.parametrize(("command", "environment"), [("check", {"NO_COLOR": "1"}), ("compile", {"TERM": "dumb"})])
+def test_no_colour_where_none_is_wanted(folder, command, environment):
     seen = watched(command, "wrong.hys", folder=folder, environment=environment)
     assert "error[HYS201]: gian is not declared" in seen.terminal
     assert "\x1b" not in seen.terminal
@@ -102,6 +99,24 @@ class Terminal:
 
     def isatty(self):
         return True
+
+
+def test_a_dumb_terminal_gets_no_bar(monkeypatch):
+    monkeypatch.setattr(sys, "stderr", Terminal())
+    monkeypatch.setenv("TERM", "xterm")
+    assert is_terminal()
+    monkeypatch.setenv("TERM", "dumb")
+    assert not is_terminal()
+
+
+def test_the_first_interrupt_is_noted_and_the_second_obeyed():
+    with first_interrupt() as interruption:
+        assert not interruption.asked
+        signal.raise_signal(signal.SIGINT)
+        assert interruption.asked
+        with pytest.raises(KeyboardInterrupt):
+            signal.raise_signal(signal.SIGINT)
+    assert signal.getsignal(signal.SIGINT) is not interruption.note
 
 
 def test_source_lines_keep_their_colour(monkeypatch):
