@@ -10,6 +10,7 @@ from hysdel_py.cli.output import check_target
 from hysdel_py.errors import ArgumentError
 from hysdel_py.reports.page import html_report
 from hysdel_py.reports.run_file import read_run
+from hysdel_py.systems.summary import counted
 
 __all__ = ["add_parser"]
 
@@ -58,5 +59,6 @@ def run(options: argparse.Namespace) -> int:
             raise DataError(str(error)) from None
     text = html_report(model, recorded, max_modes=options.max_modes)
     target.write_text(text, encoding="utf-8", newline="\n")
-    print(f"{target}: {len(text.encode()) / 1e3:.0f} kB")
+    shown = "" if recorded is None else f" and {counted(len(recorded.t), 'sample')} of a run"
+    print(f"{target}: {counted(model.mld.ne, 'row')}{shown}")
     return 0

@@ -30,7 +30,7 @@ _STATISTICS = (("seconds", "ms", 1e3), ("nodes", "", 1.0), ("qps", "", 1.0), ("c
 
 def run_section(run: RecordedRun, pwa: Pwa) -> Markup:
     """All about a run."""
-    every = -(-len(run.t) // MOST_STEPS)
+    every = max(1, -(-len(run.t) // MOST_STEPS))
     t = run.t[::every]
     span = (float(t[0]), float(t[-1])) if len(t) else (0.0, 1.0)
     modes = modes_of(run, pwa)[::every]
