@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from itertools import groupby
 
 from hysdel_py.markup.elements import Markup, element
 
-__all__ = ["COLOURS", "Frame", "Line", "band_chart", "line_chart", "ticks"]
+__all__ = ["COLOURS", "Frame", "Line", "band_chart", "line_chart", "room_for", "ticks"]
 
 COLOURS = 7
 """Number of colours, the classes c0, c1 and so on."""
@@ -17,6 +17,7 @@ MOST_POINTS = 1500
 """Longer signals are drawn by the least and greatest value of each piece."""
 
 _BAND = 16.0
+_ROOM, _MOST_ROOM, _LETTER = 64.0, 260.0, 6.6
 _TICK_STEPS = (1.0, 2.0, 5.0, 10.0)
 
 
@@ -47,7 +48,7 @@ class Frame:
     t1: float
     low: float = 0.0
     high: float = 1.0
-    left: float = 64.0
+    left: float = _ROOM
     top: float = 8.0
     width: float = 640.0
     height: float = 120.0
@@ -76,7 +77,12 @@ def ticks(low: float, high: float, count: int = 4) -> tuple[float, ...]:
     return tuple(found)
 
 
-def line_chart(lines: Sequence[Line], label: str, span: tuple[float, float]) -> Markup:
+def room_for(names: Iterable[str]) -> float:
+    """Width on the left of charts that bands with such names need."""
+    return min(_MOST_ROOM, max(_ROOM, _LETTER * max(map(len, names), default=0) + 12.0))
+
+
+def line_chart(lines: Sequence[Line], label: str, span: tuple[float, float], left: float = _ROOM) -> Markup:
     """Signals of one unit over time.
 
     Parameters
@@ -86,18 +92,20 @@ def line_chart(lines: Sequence[Line], label: str, span: tuple[float, float]) -> 
         What the picture shows, for those who do not see it.
     span : pair of float
         First and last time.
+    left : float
+        Width on the left, the same for charts below each other.
     """
     values = [v for line in lines for v in line.values if math.isfinite(v)]
     low, high = (min(values), max(values)) if values else (0.0, 1.0)
     margin = 0.05 * (high - low) or 0.5 * (abs(high) or 1.0)
-    frame = Frame(*span, low - margin, high + margin)
+    frame = Frame(*span, low - margin, high + margin, left=left)
     drawn = [_path(line, frame, f"line c{k % COLOURS} s{k // COLOURS % 3}") for k, line in enumerate(lines)]
     return _picture(frame, label, [*_grid(frame), *drawn], low=frame.low, high=frame.high)
 
 
-def band_chart(lines: Sequence[Line], label: str, span: tuple[float, float]) -> Markup:
+def band_chart(lines: Sequence[Line], label: str, span: tuple[float, float], left: float = _ROOM) -> Markup:
     """Bands, one below the other: filled while the value is not 0, in the colour of the value."""
-    frame = Frame(*span, height=_BAND * max(1, len(lines)))
+    frame = Frame(*span, left=left, height=_BAND * max(1, len(lines)))
     drawn = [band for row, line in enumerate(lines) for band in _bands(line, frame, frame.top + _BAND * row)]
     return _picture(frame, label, [*_times(frame), *drawn])
 

@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
 from hysdel_py.control.move import MoveStatus
-from hysdel_py.markup.charts import COLOURS, Line, band_chart, line_chart
+from hysdel_py.markup.charts import COLOURS, Line, band_chart, line_chart, room_for
 from hysdel_py.markup.elements import Child, Markup, as_json, element, fragment, table
 
 if TYPE_CHECKING:
@@ -32,9 +33,9 @@ def run_section(run: RecordedRun, pwa: Pwa) -> Markup:
     """All about a run."""
     every = max(1, -(-len(run.t) // MOST_STEPS))
     t = run.t[::every]
-    span = (float(t[0]), float(t[-1])) if len(t) else (0.0, 1.0)
     modes = modes_of(run, pwa)[::every]
-    charts = [*_charts(run, t, every, span), *_bands(run, t, every, span, modes)]
+    shown = _Shown(run, t, every, room_for(s.name for s in run.signals if s.is_bool))
+    charts = [*_charts(shown), *_bands(shown, modes)]
     readout = element("p", "Point at a chart, or use the arrow keys in it, to read the numbers.", id="readout",
                       role="status", aria_live="polite")  # fmt: skip
     data = element("script", as_json(_data(run, t, every, modes)), type="application/json", id="run-data")
@@ -57,35 +58,48 @@ def modes_of(run: RecordedRun, pwa: Pwa) -> Vector:
     return found
 
 
-def _charts(run: RecordedRun, t: Vector, every: int, span: tuple[float, float]) -> Iterator[Markup]:
+@dataclass(frozen=True, eq=False, slots=True)
+class _Shown:
+    """What of a run is drawn, and how much room is left of it."""
+
+    run: RecordedRun
+    t: Vector
+    every: int
+    left: float
+
+    @property
+    def span(self) -> tuple[float, float]:
+        """First and last time."""
+        return (float(self.t[0]), float(self.t[-1])) if len(self.t) else (0.0, 1.0)
+
+    def line(self, name: str, values: Vector, *, held: bool) -> Line:
+        """A signal at the times that are drawn."""
+        return Line(name, tuple(self.t.tolist()), tuple(values.astype(float).tolist()), held)
+
+
+def _charts(shown: _Shown) -> Iterator[Markup]:
     """One chart for each vector and unit."""
     groups: dict[tuple[str, str], list[RecordedSignal]] = {}
-    for signal in run.group("x", "u", "y", "z"):
+    for signal in shown.run.group("x", "u", "y", "z"):
         if not signal.is_bool:
             groups.setdefault((signal.group, signal.unit), []).append(signal)
     for (key, unit), signals in groups.items():
         title = f"{_WORDS[key]} [{unit}]" if unit else _WORDS[key]
-        lines = [_line(signal, t, every) for signal in signals]
-        yield _figure(title, line_chart(lines, f"{title} over time", span), [s.name for s in signals])
+        lines = [shown.line(s.name, s.values[:: shown.every], held=s.group != "x") for s in signals]
+        chart = line_chart(lines, f"{title} over time", shown.span, shown.left)
+        yield _figure(title, chart, [s.name for s in signals])
 
 
-def _line(signal: RecordedSignal, t: Vector, every: int) -> Line:
-    values = signal.values[::every]
-    return Line(signal.name, tuple(t.tolist()), tuple(values.tolist()), held=signal.group != "x")
-
-
-def _bands(run: RecordedRun, t: Vector, every: int, span: tuple[float, float], modes: Vector) -> Iterator[Markup]:
-    signals = [s for s in run.group("x", "u", "y", "d") if s.is_bool]
+def _bands(shown: _Shown, modes: Vector) -> Iterator[Markup]:
+    signals = [s for s in shown.run.group("x", "u", "y", "d") if s.is_bool]
     if signals:
-        lines = [
-            Line(s.name, tuple(t.tolist()), tuple((s.values[::every] > 0.5).astype(float).tolist()), held=True)
-            for s in signals
-        ]
-        yield _figure("Booleans, filled where true", band_chart(lines, "Booleans over time", span), [])
+        lines = [shown.line(s.name, s.values[:: shown.every] > 0.5, held=True) for s in signals]
+        chart = band_chart(lines, "Booleans over time", shown.span, shown.left)
+        yield _figure("Booleans, filled where true", chart, [])
     if len(modes) and np.any(modes):
-        line = Line("mode", tuple(t.tolist()), tuple(modes.tolist()), held=True)
         used = sorted({int(v) - 1 for v in modes if v})
-        yield _figure("modes", band_chart([line], "mode over time", span), [f"mode {k}" for k in used], used)
+        chart = band_chart([shown.line("mode", modes, held=True)], "mode over time", shown.span, shown.left)
+        yield _figure("modes", chart, [f"mode {k}" for k in used], used)
 
 
 def _figure(title: str, chart: Markup, names: list[str], colours: list[int] | None = None) -> Markup:

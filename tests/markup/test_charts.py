@@ -8,7 +8,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from hysdel_py.markup.charts import MOST_POINTS, Frame, Line, band_chart, line_chart, ticks
+from hysdel_py.markup.charts import MOST_POINTS, Frame, Line, band_chart, line_chart, room_for, ticks
 from hysdel_py.markup.mode_graph import Node, graph_picture
 
 
@@ -67,6 +67,12 @@ def test_ticks_lie_inside_and_are_even(low, width):
     assert all(low - 1e-6 * width <= t <= low + width * (1 + 1e-6) for t in found)
     steps = [b - a for a, b in pairwise(found)]
     assert max(steps, default=0) == pytest.approx(min(steps, default=0), rel=1e-6)
+
+
+def test_room_for_names_is_enough_and_has_an_end():
+    assert room_for([]) == room_for(["a"]) == Frame(0.0, 1.0).left
+    assert room_for(["a", "n" * 20]) > 20 * 6
+    assert room_for(["n" * 500]) == room_for(["n" * 900])
 
 
 def test_ticks_of_nothing():
