@@ -21,7 +21,7 @@ from hysdel_py.control.hybrid_law import HybridLaw
 from hysdel_py.control.hybrid_mpc import HybridMpc
 from hysdel_py.errors import ArgumentError
 from hysdel_py.export.c_text import source_path
-from hysdel_py.export.fmu import to_fmu
+from hysdel_py.export.fmu import to_fmu, unit_path
 from hysdel_py.model import Model
 from hysdel_py.optimize.mpmiqp import MpMiqpSettings
 
@@ -109,6 +109,8 @@ def _check(options: argparse.Namespace) -> None:
             check_target(Path(target), f"--{option}")
     if options.c:
         source_path(options.c)
+    if options.fmu:
+        unit_path(options.fmu)
     for name, least in (("workers", 1), ("samples", 0), ("seed", 0)):
         if getattr(options, name) < least:
             raise ArgumentError(f"--{name} is {getattr(options, name)}: a number of at least {least} was expected")

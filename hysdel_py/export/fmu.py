@@ -32,7 +32,7 @@ if TYPE_CHECKING:
     from hysdel_py.model import Model
     from hysdel_py.systems.dha import Dha
 
-__all__ = ["FmuFile", "find_compiler", "to_fmu"]
+__all__ = ["FmuFile", "find_compiler", "to_fmu", "unit_path"]
 
 _COMPILERS = ("cc", "gcc", "clang")
 _FLAGS = ("-std=c99", "-O2", "-shared", "-fPIC", "-fvisibility=hidden")
@@ -98,7 +98,7 @@ def to_fmu(
     >>> hys.to_fmu(hys.load("two_tanks"), "two_tanks.fmu", compiler=None).message
     'no library was asked for: importers have to compile the sources'
     """
-    target = _checked(Path(path))
+    target = unit_path(path)
     prefix = prefix_of(target)
     model = fmu_model(system, x0, sample_time)
     with tempfile.TemporaryDirectory() as name:
@@ -113,7 +113,15 @@ def to_fmu(
     return FmuFile(target, _platform()[0] if library else "", message)
 
 
-def _checked(target: Path) -> Path:
+def unit_path(path: str | PathLike[str]) -> Path:
+    """Path of a unit.
+
+    Raises
+    ------
+    ArgumentError
+        It does not end in .fmu, or its folder does not exist.
+    """
+    target = Path(path)
     if target.suffix != ".fmu":
         raise ArgumentError(f"{target}: a name that ends in .fmu was expected")
     if not target.parent.is_dir():

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 import hysdel_py as hys
+from hysdel_py.control.run import Run
 from hysdel_py.systems.simulation import simulate
 
 PLANT = """SYSTEM s {
@@ -54,3 +55,13 @@ def test_closed_loop(plant, where):
 def test_scripts_end_as_on_any_other_interrupt():
     assert issubclass(hys.Interrupted, KeyboardInterrupt)
     assert not issubclass(hys.Interrupted, Exception)
+
+
+def test_a_step_that_was_half_written_down_is_left_out():
+    run = Run(np.array([1.0]))
+    run.advance(0, lambda x, u: (x + u, x, x[:0], x[:0]), np.array([2.0]), (0.0,) * 8)
+    run.x.append(np.array([9.0]))
+    run.u.append(np.array([9.0]))
+    run.interrupt()
+    assert run.trajectory({}).x.tolist() == [[1.0], [3.0]]
+    assert run.trajectory({}).u.tolist() == [[2.0]]

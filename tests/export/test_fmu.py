@@ -13,6 +13,7 @@ from hypothesis import HealthCheck, given, settings
 from strategies import models
 
 import hysdel_py as hys
+from hysdel_py.control.explicit_hybrid import explicit_hybrid
 from hysdel_py.errors import ArgumentError, CompileError
 from hysdel_py.export.fmu import find_compiler
 from hysdel_py.geometry.polyhedron import Polyhedron
@@ -317,6 +318,24 @@ def test_a_law_of_increments_keeps_the_input_applied_last(tmp_path):
         unit.step(0.1 * k, 0.1)
         last = move.u
         assert unit.get("force(-1)") == pytest.approx(last.tolist(), rel=1e-12)
+
+
+def test_a_hybrid_law_answers_as_ours(tmp_path):
+    """Boolean states as inputs, Boolean moves as outputs."""
+    mpc = hys.HybridMpc(hys.load(TANK), 1, hys.Cost(y={"y": 1.0}, u={"flow": 0.1}, norm=1))
+    law = explicit_hybrid(mpc, fixed={"r(y)": 2.0, "r(flow)": 1.0})
+    assert "was" in law.names
+    unit, rng = Unit(law, tmp_path / "law.fmu"), np.random.default_rng(4)
+    answered = 0
+    for _ in range(60):
+        x = [rng.uniform(-8, 8), float(rng.integers(2))]
+        unit.set(dict(zip(("level", "was"), x, strict=True)))
+        move = law(x)
+        answered += move is not None
+        assert unit.get("step_status") == [float(move is None)]
+        if move is not None:
+            assert unit.get("flow", "open") == pytest.approx(move.tolist(), rel=1e-12, abs=1e-12)
+    assert answered > 30
 
 
 def test_plant_and_law_close_the_loop(tmp_path):
