@@ -19,6 +19,8 @@ if TYPE_CHECKING:
     from hysdel_py.analysis.report import Verification
     from hysdel_py.analysis.verify import verify
     from hysdel_py.analysis.well_posed import WellPosedness, well_posed
+    from hysdel_py.bridges.iosystem import to_iosystem
+    from hysdel_py.bridges.toolboxes import from_iosystem, to_scipy
     from hysdel_py.control.closed_loop import closed_loop
     from hysdel_py.control.costs import Cost
     from hysdel_py.control.disturbance import with_disturbances
@@ -69,7 +71,8 @@ if TYPE_CHECKING:
     )
     from hysdel_py.drivetrain.signals import PiecewiseLinear
     from hysdel_py.drivetrain.trajectory import ContactMode, DrivetrainTrajectory
-    from hysdel_py.errors import ArgumentError, CompileError, HysdelError, SimulationError
+    from hysdel_py.errors import ArgumentError, CompileError, HysdelError, Interrupted, SimulationError
+    from hysdel_py.export.fmu import to_fmu
     from hysdel_py.export.json_file import read_json
     from hysdel_py.export.plant_c import to_c
     from hysdel_py.geometry.polyhedron import Polyhedron
@@ -84,6 +87,7 @@ if TYPE_CHECKING:
     from hysdel_py.optimize.warm_up import warm_up
     from hysdel_py.reports.explain_infeasible import explain_infeasible
     from hysdel_py.reports.explanation import Explanation
+    from hysdel_py.reports.page import html_report
     from hysdel_py.reports.safety import can_reach, must_reach
     from hysdel_py.reports.safety_answer import SafetyAnswer
     from hysdel_py.shipped import shipped_models
@@ -130,6 +134,7 @@ __all__ = [
     "HybridSet",
     "HysdelError",
     "Inertia",
+    "Interrupted",
     "Invariant",
     "KalmanObserver",
     "Karnopp",
@@ -187,6 +192,8 @@ __all__ = [
     "explain_infeasible",
     "explicit",
     "feasible_states",
+    "from_iosystem",
+    "html_report",
     "invariant_set",
     "load",
     "lyapunov",
@@ -206,8 +213,11 @@ __all__ = [
     "sweep",
     "to_c",
     "to_dha",
+    "to_fmu",
+    "to_iosystem",
     "to_mld",
     "to_pwa",
+    "to_scipy",
     "to_symbolic_mld",
     "verify",
     "warm_up",
@@ -249,6 +259,7 @@ _HOME = {
     "HybridSet": "analysis.hybrid_set",
     "HysdelError": "errors",
     "Inertia": "drivetrain.components",
+    "Interrupted": "errors",
     "Invariant": "analysis.invariance",
     "KalmanObserver": "control.observer",
     "Karnopp": "drivetrain.schemes.options",
@@ -305,6 +316,8 @@ _HOME = {
     "explain_infeasible": "reports.explain_infeasible",
     "explicit": "control.explicit",
     "feasible_states": "analysis.invariance",
+    "from_iosystem": "bridges.toolboxes",
+    "html_report": "reports.page",
     "invariant_set": "analysis.invariance",
     "load": "model",
     "lyapunov": "analysis.lyapunov",
@@ -324,8 +337,11 @@ _HOME = {
     "sweep": "sweeps.sweep",
     "to_c": "export.plant_c",
     "to_dha": "model",
+    "to_fmu": "export.fmu",
+    "to_iosystem": "bridges.iosystem",
     "to_mld": "model",
     "to_pwa": "model",
+    "to_scipy": "bridges.toolboxes",
     "to_symbolic_mld": "model",
     "verify": "analysis.verify",
     "warm_up": "optimize.warm_up",
@@ -340,6 +356,13 @@ def __getattr__(name: str) -> object:
     value = getattr(import_module(f"hysdel_py.{_HOME[name]}"), name)
     globals()[name] = value
     return value
+
+
+def load_ipython_extension(shell: object) -> None:
+    """Make the cell magic ``%%hysdel`` known to IPython; what ``%load_ext hysdel_py`` calls."""
+    from hysdel_py.notebook.magic import register
+
+    register(shell)
 
 
 def __dir__() -> list[str]:

@@ -12,8 +12,9 @@ from typing import TYPE_CHECKING, Any
 if TYPE_CHECKING:
     from hysdel_py.diagnostics.diagnostic import Diagnostic
     from hysdel_py.syntax.source import Source
+    from hysdel_py.systems.trajectory import Trajectory
 
-__all__ = ["ArgumentError", "CompileError", "HysdelError", "SimulationError"]
+__all__ = ["ArgumentError", "CompileError", "HysdelError", "Interrupted", "SimulationError"]
 
 
 class HysdelError(Exception):
@@ -36,6 +37,22 @@ class SimulationError(HysdelError):
     def __init__(self, problems: tuple[str, ...]) -> None:
         super().__init__("\n".join(problems))
         self.problems = problems
+
+
+class Interrupted(KeyboardInterrupt):
+    """Ctrl-C during a run; carries what was computed by then.
+
+    It is no HysdelError, so that a script ends on Ctrl-C as any other does.
+
+    Attributes
+    ----------
+    partial : Trajectory
+        The steps that were made; its last message says that the run was interrupted.
+    """
+
+    def __init__(self, partial: Trajectory) -> None:
+        super().__init__(f"interrupted after {partial.steps} steps")
+        self.partial = partial
 
 
 class CompileError(HysdelError):

@@ -116,6 +116,11 @@ class Model:
         )
         return f"<Model {self.name}: {sizes}, {len(self.typed.items)} items>"
 
+    def _repr_html_(self) -> str:
+        from hysdel_py.markup.cards import model_card
+
+        return model_card(self)
+
 
 def load(
     path_or_text: str | os.PathLike[str],

@@ -50,15 +50,18 @@ MAY_IMPORT: dict[str, set[str]] = {
     "sweeps": {"errors"},
     "compiler": {"errors", "diagnostics", "syntax", "elaboration", "semantics", "systems", "lowering", "geometry"},
     "model": {"errors", "diagnostics", "semantics", "systems", "lowering", "compiler"},
-    "reports": {"errors", "diagnostics", "syntax", "semantics", "systems", "control", "analysis", "model"},
+    "reports": {"errors", "diagnostics", "syntax", "semantics", "systems", "control", "analysis", "model", "markup"},
+    "markup": set(),
+    "bridges": {"errors", "systems", "export"},
     "demos": {"errors", "model", "systems", "control", "geometry", "drivetrain", "analysis"},
 }
-LEAVES = {"plotting", "cli", "lsp"}  # these import what they like, and nobody imports them at module level
+LEAVES = {"plotting", "cli", "lsp", "notebook"}  # these import what they like, and nobody imports them at module level
 # What may be imported inside a function on top of that.
 LAZILY = {
-    "systems": {"plotting"},
-    "control": {"plotting", "export"},
-    "model": {"shipped"},
+    "systems": {"plotting", "markup"},
+    "control": {"plotting", "export", "markup"},
+    "model": {"shipped", "markup"},
+    "markup": {"systems"},
     "demos": {"plotting"},
     "drivetrain": {"plotting"},
     "analysis": {"lowering"},

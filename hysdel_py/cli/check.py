@@ -11,6 +11,7 @@ from typing import Any
 
 from hysdel_py.analysis.well_posed import WellPosedness, well_posed
 from hysdel_py.cli.arguments import add_parameters, load_model
+from hysdel_py.cli.colour import painted
 from hysdel_py.cli.output import print_json
 from hysdel_py.cli.verify import seconds_of
 from hysdel_py.diagnostics.codes import Code
@@ -134,7 +135,8 @@ def _print_text(reports: list[_Report]) -> None:
         shown = [d for d in report.diagnostics if d.severity is not Severity.NOTE]
         if shown:
             end = "" if report.model is None and len(reports) == 1 else "\n"
-            print("\n".join(render(d, report.source) for d in shown), end=end, file=sys.stderr)
+            text = "\n".join(render(d, report.source) for d in shown)
+            print(painted(text, sys.stderr), end=end, file=sys.stderr)
         if report.model is not None:
             print(_sentence(report, report.model))
             print("".join(f"not settled: {question}\n" for question in _unsettled(report)), end="")

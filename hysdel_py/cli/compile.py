@@ -28,6 +28,7 @@ examples:
   hysdel compile model.hys -o model.m           write the script that HYSDEL 2.0.5 writes
   hysdel compile model.hys -o step.py           write a simulator that needs nothing but Python
   hysdel compile model.hys -o step.c            write the same in C, and step.h
+  hysdel compile model.hys -o model.fmu         write a functional mock-up unit (FMI 2.0, co-simulation)
   hysdel compile model.hys --form pwa -o model.json   write the modes of the piecewise affine form
   hysdel compile model.hys --form pwa -o modes.hys    write them as a model: thresholds, modes, affine pieces
   hysdel compile model.hys --param ts=0.01 --constants aux

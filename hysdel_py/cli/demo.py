@@ -7,7 +7,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from hysdel_py.cli.demo_shifts import TITLES, run_shift_demo
-from hysdel_py.cli.output import clear_progress, print_json, progress_line
+from hysdel_py.cli.output import print_json
+from hysdel_py.cli.progress import clear_progress, progress_line
 from hysdel_py.demos.clutch import ClutchDemo, engage
 from hysdel_py.demos.dynamic_programming import DpDemo, engage_by_dp
 from hysdel_py.errors import ArgumentError

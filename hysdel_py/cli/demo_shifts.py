@@ -8,7 +8,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from hysdel_py.cli.output import clear_progress, print_json, progress_line
+from hysdel_py.cli.output import print_json
+from hysdel_py.cli.progress import clear_progress, progress_line
 from hysdel_py.demos.shifts.cases import SHIFTS
 from hysdel_py.demos.shifts.drive import DriveRun, drive
 from hysdel_py.demos.shifts.plant import FINE, STEPS_PER_SAMPLE

@@ -6,7 +6,8 @@ import argparse
 from pathlib import Path
 
 from hysdel_py.cli.arguments import DataError
-from hysdel_py.cli.output import clear_progress, print_json, progress_line
+from hysdel_py.cli.output import print_json
+from hysdel_py.cli.progress import clear_progress, progress_line
 from hysdel_py.drivetrain.comparison import Comparison, Pair, Row, compare
 
 __all__ = ["add_parser"]

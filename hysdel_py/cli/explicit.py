@@ -3,8 +3,6 @@
 from __future__ import annotations
 
 import argparse
-import sys
-from collections.abc import Callable
 from concurrent.futures import ProcessPoolExecutor
 from contextlib import nullcontext
 from dataclasses import asdict
@@ -15,12 +13,15 @@ from typing import Any
 from hysdel_py.cli.arguments import add_model, add_output, assignments, load_model
 from hysdel_py.cli.controller import add_demands, add_shape, all_limits, blocking_of, cost_of, references_of, spans
 from hysdel_py.cli.output import check_target, print_json
+from hysdel_py.cli.progress import clear_progress, counter
+from hysdel_py.cli.writers import report_unit
 from hysdel_py.control.explicit_hybrid import explicit_hybrid
 from hysdel_py.control.hybrid_certificate import HybridCertificate
 from hysdel_py.control.hybrid_law import HybridLaw
 from hysdel_py.control.hybrid_mpc import HybridMpc
 from hysdel_py.errors import ArgumentError
 from hysdel_py.export.c_text import source_path
+from hysdel_py.export.fmu import to_fmu, unit_path
 from hysdel_py.model import Model
 from hysdel_py.optimize.mpmiqp import MpMiqpSettings
 
@@ -42,6 +43,7 @@ The exit status is 1 if the law is incomplete or differs from the controller.
 _WRITERS = (
     ("--c", "FILE.c", "write the law as C, with a header beside it"),
     ("--python", "FILE.py", "write the law as a Python module that needs nothing but Python"),
+    ("--fmu", "FILE.fmu", "write the law as a functional mock-up unit (FMI 2.0, co-simulation)"),
 )
 
 
@@ -90,6 +92,8 @@ def run(options: argparse.Namespace) -> int:
         law.to_c(options.c)
     if options.python:
         law.to_python(options.python)
+    if options.fmu:
+        report_unit(to_fmu(law, options.fmu))
     certificate = law.certificate(mpc, options.samples, options.seed) if options.samples else None
     if options.json:
         print_json(_summary(law, certificate))
@@ -100,11 +104,13 @@ def run(options: argparse.Namespace) -> int:
 
 
 def _check(options: argparse.Namespace) -> None:
-    for option in ("out", "c", "python"):
+    for option in ("out", "c", "python", "fmu"):
         if target := getattr(options, option):
             check_target(Path(target), f"--{option}")
     if options.c:
         source_path(options.c)
+    if options.fmu:
+        unit_path(options.fmu)
     for name, least in (("workers", 1), ("samples", 0), ("seed", 0)):
         if getattr(options, name) < least:
             raise ArgumentError(f"--{name} is {getattr(options, name)}: a number of at least {least} was expected")
@@ -128,7 +134,7 @@ def _law(mpc: HybridMpc, options: argparse.Namespace) -> HybridLaw:
     fixed = assignments(options.fix, "--fix")
     fixed |= {f"r({name})": value for name, value in (references_of(options) or {}).items()}
     workers = ProcessPoolExecutor(options.workers) if options.workers > 1 else nullcontext()
-    progress = _progress(not options.json)
+    progress = counter(not options.json, "{} sequences solved, {} regions, {} sequences waiting")
     with workers as pool:
         law = explicit_hybrid(
             mpc,
@@ -139,19 +145,8 @@ def _law(mpc: HybridMpc, options: argparse.Namespace) -> HybridLaw:
             settings=MpMiqpSettings(seconds=inf if options.time_limit is None else options.time_limit),
             reduce=not options.keep_overlaps,
         )
-    if progress is not None:
-        print("\r\x1b[K", end="", file=sys.stderr, flush=True)
+    clear_progress(progress)
     return law
-
-
-def _progress(enabled: bool) -> Callable[[int, int, int], None] | None:
-    """A report on one line of a terminal; None if there is no terminal to write to."""
-    if not enabled or not sys.stderr.isatty():
-        return None
-    return lambda solved, regions, waiting: print(
-        f"\r\x1b[K{solved} sequences solved, {regions} regions, {waiting} sequences waiting",
-        end="", file=sys.stderr, flush=True,
-    )  # fmt: skip
 
 
 def _summary(law: HybridLaw, certificate: HybridCertificate | None) -> dict[str, Any]:

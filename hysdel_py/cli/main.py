@@ -11,7 +11,10 @@ from importlib import import_module
 
 from hysdel_py.cli import drop_in
 from hysdel_py.cli.arguments import join_negative_values
+from hysdel_py.cli.colour import painted
 from hysdel_py.cli.output import print_json
+from hysdel_py.cli.progress import clear_progress, is_terminal
+from hysdel_py.cli.versions import all_versions
 from hysdel_py.errors import ArgumentError, CompileError, HysdelError
 from hysdel_py.version import __version__
 
@@ -28,6 +31,7 @@ COMMANDS = (
     "compile",
     "show",
     "graph",
+    "report",
     "simulate",
     "mpc",
     "explicit",
@@ -40,6 +44,8 @@ COMMANDS = (
     "fmt",
     "stubs",
     "lsp",
+    "completion",
+    "manual",
 )
 """Modules of the commands in the order of the help."""
 
@@ -77,7 +83,8 @@ def build_parser() -> argparse.ArgumentParser:
         epilog=_EPILOG,
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )
-    parser.add_argument("--version", action="version", version=f"hysdel_py {__version__}")
+    parser.add_argument("--version", action="store_true", help="print the version and end")
+    parser.add_argument("--verbose", action="store_true", help="with --version: those of Python and packages too")
     commands = parser.add_subparsers(dest="command", metavar="COMMAND")
     for name in COMMANDS:
         import_module(f"hysdel_py.cli.{name}").add_parser(commands)
@@ -87,7 +94,7 @@ def build_parser() -> argparse.ArgumentParser:
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run the command line; returns the exit status.
 
-    Wrong usage that is found while the arguments are read, ``--help`` and ``--version`` end by SystemExit, as usual.
+    Wrong usage that is found while the arguments are read, and ``--help``, end by SystemExit, as usual.
     """
     try:
         try:
@@ -104,6 +111,9 @@ def _run(arguments: Sequence[str]) -> int:
         return _run_drop_in(arguments)
     parser = build_parser()
     options = _parse(parser, join_negative_values(arguments))
+    if options.version:
+        print(all_versions() if options.verbose else f"hysdel_py {__version__}")
+        return FINE
     if options.command is None:
         parser.print_help(sys.stderr)
         print("\nhysdel: error: a COMMAND was expected", file=sys.stderr)
@@ -150,6 +160,7 @@ def _guarded(options: argparse.Namespace) -> int:
     except OSError as error:
         _report(f"{error.filename or 'file'}: {error.strerror or error}", options)
     except KeyboardInterrupt:
+        clear_progress(is_terminal() or None)
         print("interrupted", file=sys.stderr)
     except Exception as error:
         _report_fault(error, options)
@@ -162,7 +173,8 @@ def _report_fault(error: Exception, options: argparse.Namespace) -> None:
         print_json({"error": f"internal fault, {type(error).__name__}: {error}"})
     print(
         f"hysdel: internal fault, {type(error).__name__}: {error} ({_place(error)})\n"
-        "This is a mistake of the program, not of the model. Please report it with the model and the command line.",
+        "This is a mistake of the program, not of the model. Please report it with the model, the command line and\n"
+        "the output of: hysdel --version --verbose",
         file=sys.stderr,
     )
 
@@ -184,7 +196,7 @@ def _report(message: str, options: argparse.Namespace) -> None:
 def _report_compile_error(error: CompileError, options: argparse.Namespace) -> None:
     if getattr(options, "json", False):
         print_json({"error": "the model has mistakes", "diagnostics": list(error.data)})
-    print(error, file=sys.stderr, end="")
+    print(painted(str(error), sys.stderr), file=sys.stderr, end="")
 
 
 def _forget_output() -> None:

@@ -14,10 +14,12 @@ from hysdel_py.cli.arguments import (
     load_model,
 )
 from hysdel_py.cli.controller import add_demands, add_shape, all_limits, blocking_of, cost_of, references_of
-from hysdel_py.cli.output import add_files, check_files, check_picture, clear_progress, emit_trajectory, progress_line
+from hysdel_py.cli.output import add_files, check_files, check_picture, emit_trajectory
+from hysdel_py.cli.progress import clear_progress, progress_line
 from hysdel_py.cli.tree import save_tree
 from hysdel_py.control.closed_loop import closed_loop
 from hysdel_py.control.hybrid_mpc import HybridMpc
+from hysdel_py.errors import Interrupted
 from hysdel_py.model import Model
 from hysdel_py.optimize.node_log import NodeLog
 
@@ -94,11 +96,15 @@ def run(options: argparse.Namespace) -> int:
     _record_first(controller, options, x0, references, last)
     log.entries.clear()
     progress = progress_line(not options.json)
-    trajectory = closed_loop(
-        model, controller, x0, options.steps, references, on_failure=options.on_failure, progress=progress,
-        last_input=last,
-    )  # fmt: skip
-    clear_progress(progress)
+    try:
+        trajectory = closed_loop(
+            model, controller, x0, options.steps, references, on_failure=options.on_failure, progress=progress,
+            last_input=last,
+        )  # fmt: skip
+    except Interrupted as stopped:  # what was computed is worth as much as that of a loop that ended early
+        trajectory = stopped.partial
+    finally:
+        clear_progress(progress)
     if options.node_log:
         log.write(options.node_log)
     if options.tree:

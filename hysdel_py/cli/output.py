@@ -4,8 +4,6 @@ from __future__ import annotations
 
 import argparse
 import json
-import sys
-from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
@@ -15,13 +13,12 @@ from hysdel_py.model import Model
 from hysdel_py.systems.trajectory import Trajectory
 
 __all__ = [
-    "add_files", "check_files", "check_picture", "check_target", "clear_progress", "emit_trajectory", "print_json",
-    "progress_line", "table", "without_nonfinite",
+    "add_files", "check_files", "check_picture", "check_target", "emit_trajectory", "print_json", "table",
+    "without_nonfinite",
 ]  # fmt: skip
 
 PICTURES = (".png", ".pdf", ".svg", ".jpg")
 _MAX_LINES = 60
-_CLEAR = "\x1b[K"  # what a terminal takes as: empty the line from here on
 _SAMPLE_TIMES = ("ts", "Ts", "T_s")  # as in Model.sample_time
 
 
@@ -124,16 +121,3 @@ def emit_trajectory(trajectory: Trajectory, model: Model, options: argparse.Name
     print(table(trajectory.columns()))
     for message in trajectory.messages:
         print(message)
-
-
-def progress_line(enabled: bool) -> Callable[[int, int], None] | None:
-    """A report of each step on one line of a terminal; None if there is no terminal to write to."""
-    if not enabled or not sys.stderr.isatty():
-        return None
-    return lambda k, steps: print(f"\r{_CLEAR}step {k} of at most {steps}", end="", file=sys.stderr, flush=True)
-
-
-def clear_progress(progress: Callable[[int, int], None] | None) -> None:
-    """Take the line of the progress away again."""
-    if progress is not None:
-        print(f"\r{_CLEAR}", end="", file=sys.stderr, flush=True)

@@ -10,7 +10,8 @@ from hysdel_py.analysis.reach import Reach, reach, reach_backward
 from hysdel_py.cli.arguments import add_model, add_output, load_model
 from hysdel_py.cli.intervals import add_runs, intervals
 from hysdel_py.cli.native import native_output_on_stderr
-from hysdel_py.cli.output import PICTURES, check_picture, clear_progress, print_json, progress_line
+from hysdel_py.cli.output import PICTURES, check_picture, print_json
+from hysdel_py.cli.progress import clear_progress, progress_line
 from hysdel_py.cli.verify import NOT_SETTLED
 from hysdel_py.errors import ArgumentError
 from hysdel_py.model import Model

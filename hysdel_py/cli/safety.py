@@ -9,7 +9,8 @@ from pathlib import Path
 from hysdel_py.cli.arguments import add_model, add_output, load_model
 from hysdel_py.cli.intervals import add_runs, intervals
 from hysdel_py.cli.native import native_output_on_stderr
-from hysdel_py.cli.output import add_files, check_files, clear_progress, print_json, progress_line
+from hysdel_py.cli.output import add_files, check_files, print_json
+from hysdel_py.cli.progress import clear_progress, progress_line
 from hysdel_py.cli.verify import NOT_SETTLED
 from hysdel_py.reports.safety import can_reach, must_reach
 from hysdel_py.reports.safety_answer import SafetyAnswer, SafetyVerdict

@@ -19,9 +19,10 @@ from hysdel_py.cli.arguments import (
 )
 from hysdel_py.cli.input_file import read_inputs
 from hysdel_py.cli.output import add_files, check_files, emit_trajectory
-from hysdel_py.errors import ArgumentError, SimulationError
+from hysdel_py.cli.progress import clear_progress, progress_line
+from hysdel_py.errors import ArgumentError, Interrupted, SimulationError
 from hysdel_py.systems.signals import Variable
-from hysdel_py.systems.simulation import MAX_STEPS
+from hysdel_py.systems.simulation import MAX_STEPS, simulate
 
 __all__ = ["add_parser"]
 
@@ -62,18 +63,24 @@ def add_parser(commands: argparse._SubParsersAction[argparse.ArgumentParser]) ->
 
 
 def run(options: argparse.Namespace) -> int:
-    """Run the command."""
+    """Run the command; the exit status is 1 if Ctrl-C ended the run early."""
     check_files(options)
     model = load_model(options)
     form = getattr(model, options.form)
     x0 = given_vector(options.x0, form.x, "--x0", "state")
     inputs = _inputs(options, form.u)
+    progress = progress_line(not options.json)
+    status = 0
     try:
-        trajectory = form.simulate(x0, inputs, ts=model.sample_time, check=not options.no_check)
+        trajectory = simulate(form, x0, inputs, ts=model.sample_time, check=not options.no_check, progress=progress)
     except SimulationError as error:
         raise SimulationError(_with_help(error.problems)) from None
+    except Interrupted as stopped:
+        trajectory, status = stopped.partial, 1
+    finally:
+        clear_progress(progress)
     emit_trajectory(trajectory, model, options)
-    return 0
+    return status
 
 
 def _with_help(problems: tuple[str, ...]) -> tuple[str, ...]:

@@ -3,16 +3,20 @@
 from __future__ import annotations
 
 import argparse
+from collections.abc import Callable
 from dataclasses import replace
 from typing import Any
 
 import numpy as np
 
 from hysdel_py.cli.arguments import add_output
+from hysdel_py.cli.interrupt import Interruption, first_interrupt
 from hysdel_py.cli.output import check_picture, print_json
+from hysdel_py.cli.progress import clear_progress, counter
 from hysdel_py.cli.tree import save_tree
 from hysdel_py.optimize.case_file import CaseFile, read_case
 from hysdel_py.optimize.miqp import MiqpResult, MiqpSettings, MiqpStatus
+from hysdel_py.optimize.mixed_integer import SearchInfo
 from hysdel_py.optimize.node_log import NodeLog
 
 __all__ = ["add_parser"]
@@ -50,7 +54,10 @@ def run(options: argparse.Namespace) -> int:
     """Run the command."""
     check_picture(options.tree, "--tree")
     case, log = read_case(options.file), NodeLog()
-    result = case.solve(_settings(case, options), progress=log)
+    show = counter(not options.json, "{} nodes, {} open, best {:.6g}, bound {:.6g}")
+    with first_interrupt() as interruption:
+        result = case.solve(_settings(case, options), progress=_watcher(log, show, interruption))
+    clear_progress(show)
     if options.node_log:
         log.write(options.node_log)
     if options.tree:
@@ -60,6 +67,20 @@ def run(options: argparse.Namespace) -> int:
     else:
         print("\n".join(_lines(case, result)))
     return 0 if result.status in (MiqpStatus.OPTIMAL, MiqpStatus.INFEASIBLE) else 1
+
+
+def _watcher(
+    log: NodeLog, show: Callable[..., None] | None, interruption: Interruption
+) -> Callable[[SearchInfo], bool]:
+    """What is done after each node: keep it, show it, and end the search after Ctrl-C with what is known by then."""
+
+    def watch(info: SearchInfo) -> bool:
+        log(info)
+        if show is not None:
+            show(info.nodes, info.open, info.objective, info.bound)
+        return not interruption.asked
+
+    return watch
 
 
 def _settings(case: CaseFile, options: argparse.Namespace) -> MiqpSettings:

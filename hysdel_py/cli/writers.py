@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import argparse
+import sys
 from collections.abc import Callable
 from pathlib import Path
 
 from hysdel_py.errors import ArgumentError
 from hysdel_py.export.compiled import Compiled
+from hysdel_py.export.fmu import FmuFile, to_fmu
 from hysdel_py.export.matlab import MatlabOptions, matlab_text
 from hysdel_py.export.matrices import write_json, write_mat, write_npz
 from hysdel_py.export.plant_c import write_plant
@@ -16,7 +18,7 @@ from hysdel_py.lowering.constants import Constants
 from hysdel_py.model import Model, to_dha, to_mld
 from hysdel_py.systems.mld import Mld
 
-__all__ = ["FORMATS", "find_writer"]
+__all__ = ["FORMATS", "find_writer", "report_unit"]
 
 Writer = Callable[[Model, Mld, argparse.Namespace], None]
 
@@ -53,6 +55,16 @@ def _c(model: Model, mld: Mld, options: argparse.Namespace) -> None:  # noqa: AR
     write_plant(to_dha(model, constants=options.constants), options.output, model.typed)
 
 
+def _fmu(model: Model, mld: Mld, options: argparse.Namespace) -> None:  # noqa: ARG001 -- the Dha is written
+    report_unit(to_fmu(model, options.output))
+
+
+def report_unit(written: FmuFile) -> None:
+    """Say so on the error stream if a unit holds no library."""
+    if written.message:
+        print(f"{written.path}: {written.message}", file=sys.stderr)
+
+
 FORMATS: dict[str, Writer] = {
     ".json": lambda _, mld, options: write_json(mld, options.output),
     ".npz": lambda _, mld, options: write_npz(mld, options.output),
@@ -60,5 +72,6 @@ FORMATS: dict[str, Writer] = {
     ".m": _matlab,
     ".py": _python,
     ".c": _c,
+    ".fmu": _fmu,
 }
 """Writer for each end of a file name."""

@@ -13,9 +13,9 @@ from numpy.typing import ArrayLike, NDArray
 
 from hysdel_py.control.move import Move, MoveStatus
 from hysdel_py.control.references import Reference
-from hysdel_py.control.run import Run, as_plant
+from hysdel_py.control.run import PlantStep, Run, as_plant
 from hysdel_py.control.settings import DEFAULT_CONTROL_TOLERANCES, ControlTolerances
-from hysdel_py.errors import ArgumentError
+from hysdel_py.errors import ArgumentError, Interrupted
 from hysdel_py.systems.signals import Variable, as_vector
 from hysdel_py.systems.trajectory import Trajectory
 
@@ -77,6 +77,8 @@ def closed_loop(
     ------
     ArgumentError
         Wrong arguments, or a plant or controller that returns something else.
+    Interrupted
+        Ctrl-C; it carries the steps that were made.
     """
     _check_arguments(steps, on_failure)
     _check_callable(
@@ -87,20 +89,44 @@ def closed_loop(
             _check_callable(function, name, "a callable")
     step, variables = as_plant(plant, controller, tolerances.measured)
     run = Run(_first_state(x0, variables.get("x")))
-    for k in range(steps):
-        x = run.x[-1]
-        if stop is not None and stop(k, x.copy()):
-            run.messages.append(f"step {k}: stopped as asked")
-            break
-        answer = _ask(controller, x.copy(), ref(k) if callable(ref) else ref, run.u[-1] if run.u else last_input)
-        u = _choose_input(run, k, answer, on_failure)
-        if u is None or not run.advance(k, step, u, answer.record):
-            break
-        if progress is not None:
-            progress(k + 1, steps)
-    run.messages += _counted(run)
     sample_time = getattr(plant, "sample_time", getattr(controller, "sample_time", 1.0))
+    orders = _Orders(steps, ref, on_failure, stop, progress, last_input)
+    try:
+        _make_steps(run, step, controller, orders)
+    except KeyboardInterrupt:
+        run.interrupt()
+        raise Interrupted(run.trajectory(variables, sample_time)) from None
+    run.messages += _counted(run)
     return run.trajectory(variables, sample_time)
+
+
+@dataclass(frozen=True, slots=True)
+class _Orders:
+    """What a loop is asked to do; fields as the arguments of :func:`closed_loop`."""
+
+    steps: int
+    ref: Any
+    on_failure: OnFailure
+    stop: Callable[[int, Matrix], bool] | None
+    progress: Callable[[int, int], Any] | None
+    last_input: Any
+
+
+def _make_steps(run: Run, step: PlantStep, controller: Any, orders: _Orders) -> None:
+    """Ask and advance until the end, or until something ends the run."""
+    ref = orders.ref
+    for k in range(orders.steps):
+        x = run.x[-1]
+        if orders.stop is not None and orders.stop(k, x.copy()):
+            run.messages.append(f"step {k}: stopped as asked")
+            return
+        last = run.u[-1] if run.u else orders.last_input
+        answer = _ask(controller, x.copy(), ref(k) if callable(ref) else ref, last)
+        u = _choose_input(run, k, answer, orders.on_failure)
+        if u is None or not run.advance(k, step, u, answer.record):
+            return
+        if orders.progress is not None:
+            orders.progress(k + 1, orders.steps)
 
 
 @dataclass(frozen=True, slots=True)

@@ -99,6 +99,11 @@ class ExplicitLaw:
         state = "complete" if self.complete else "incomplete"
         return f"<ExplicitLaw of {', '.join(self.names)}: {self.count} regions, {self.moves} moves, {state}>"
 
+    def _repr_html_(self) -> str:
+        from hysdel_py.markup.cards import law_card
+
+        return law_card(self)
+
     @classmethod
     def of(
         cls, solution: ParametricSolution, moves: int | None = None, names: tuple[str, ...] | None = None

@@ -84,6 +84,11 @@ class HybridLaw:
         laws = f"{len(self.sequences)} sequences, {self.count} regions"
         return f"<HybridLaw of {', '.join(self.names)}: {laws}, {state}>"
 
+    def _repr_html_(self) -> str:
+        from hysdel_py.markup.cards import law_card
+
+        return law_card(self)
+
     @property
     def names(self) -> tuple[str, ...]:
         """Names of the entries of zeta."""

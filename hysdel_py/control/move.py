@@ -162,6 +162,11 @@ class Move:
         u = ", ".join(f"{value:.6g}" for value in self.u)
         return f"<Move {self.status.value}: u = [{u}], cost {self.cost:.6g}, gap {self.gap:.1e}, {self.nodes} nodes>"
 
+    def _repr_html_(self) -> str:
+        from hysdel_py.markup.cards import move_card
+
+        return move_card(self)
+
     @property
     def ok(self) -> bool:
         """Whether there is an input."""

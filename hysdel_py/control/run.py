@@ -128,6 +128,13 @@ class Run:
         self.records.append(record)
         return True
 
+    def interrupt(self) -> None:
+        """Keep the steps that are whole, and say that there might have been more."""
+        whole = min(len(self.x) - 1, len(self.u), len(self.rest), len(self.records))
+        for rows, count in ((self.x, whole + 1), (self.u, whole), (self.rest, whole), (self.records, whole)):
+            del rows[count:]
+        self.messages.append(f"step {whole}: interrupted")
+
     def trajectory(self, names: Variables, sample_time: float = 1.0) -> Trajectory:
         """Return the steps so far."""
         y, d, z = ([entry[i] for entry in self.rest] for i in range(3))

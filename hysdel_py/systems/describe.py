@@ -25,7 +25,7 @@ if TYPE_CHECKING:
 
     from hysdel_py.systems.mld import Matrix, Mld
 
-__all__ = ["describe_dha", "describe_mld", "inequalities", "variable_lines"]
+__all__ = ["describe_dha", "describe_mld", "equations", "inequalities", "variable_lines"]
 
 _UPDATED = frozenset({"Continuous", "Automata"})
 
@@ -42,11 +42,17 @@ def describe_mld(mld: Mld) -> str:
     """Variables, update and output equations, and the inequalities under the item each came from."""
     lines = [f"{mld.name}: mixed logical dynamical form, {mld.ne} rows"]
     lines += variable_lines({"x": mld.x, "u": mld.u, "y": mld.y, "d": mld.d, "z": mld.z})
-    lines += _equation_lines([f"{v.name}'" for v in mld.x], mld, (mld.A, mld.B1, mld.B2, mld.B3), mld.B5)
-    lines += _equation_lines([v.name for v in mld.y], mld, (mld.C, mld.D1, mld.D2, mld.D3), mld.D5)
+    lines += [f"  {text}" for text in equations(mld)]
     for origin, rows in groupby(zip(mld.rows, inequalities(mld), strict=True), key=lambda pair: str(pair[0])):
         lines += [f"  {origin}", *(f"    {text}" for _, text in rows)]
     return "\n".join(lines) + "\n"
+
+
+def equations(mld: Mld) -> tuple[str, ...]:
+    """The update of each state, then each output, with names, such as ``level' = level - out``."""
+    updates = _equation_lines([f"{v.name}'" for v in mld.x], mld, (mld.A, mld.B1, mld.B2, mld.B3), mld.B5)
+    outputs = _equation_lines([v.name for v in mld.y], mld, (mld.C, mld.D1, mld.D2, mld.D3), mld.D5)
+    return (*updates, *outputs)
 
 
 def inequalities(mld: Mld) -> tuple[str, ...]:
@@ -72,7 +78,7 @@ def _equation_lines(names: list[str], mld: Mld, blocks: tuple[Matrix, ...], cons
     lines = []
     for index, name in enumerate(names):
         terms = tuple(term for block, group in zip(blocks, groups, strict=True) for term in _terms(block[index], group))
-        lines.append(f"  {name} = {Affine(float(constants[index]), terms)}")
+        lines.append(f"{name} = {Affine(float(constants[index]), terms)}")
     return lines
 
 

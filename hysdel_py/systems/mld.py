@@ -86,6 +86,11 @@ class Mld:
     def __repr__(self) -> str:
         return one_line(self, f"{self.nd} d", f"{self.nz} z", counted(len(self.E5), "row"))
 
+    def _repr_html_(self) -> str:
+        from hysdel_py.markup.cards import mld_card
+
+        return mld_card(self)
+
     @property
     def nx(self) -> int:
         """Number of states."""

@@ -91,6 +91,11 @@ class Pwa:
     def __repr__(self) -> str:
         return one_line(self, counted(len(self.modes), "mode"))
 
+    def _repr_html_(self) -> str:
+        from hysdel_py.markup.cards import pwa_card
+
+        return pwa_card(self)
+
     def step(
         self, x: ArrayLike | Mapping[str, float], u: ArrayLike | Mapping[str, float] = (), *, check: bool = True
     ) -> PwaStep:

@@ -2,14 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import replace
 from numbers import Real
-from typing import Protocol
+from typing import Any, Protocol
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from hysdel_py.errors import ArgumentError, SimulationError
+from hysdel_py.errors import ArgumentError, Interrupted, SimulationError
 from hysdel_py.systems.signals import Variable, as_vector
 from hysdel_py.systems.trajectory import Trajectory
 
@@ -44,7 +45,13 @@ class Steppable(Protocol):
 
 
 def simulate(
-    system: Steppable, x0: ArrayLike | Mapping[str, float], inputs: ArrayLike, *, ts: float = 1.0, check: bool = True
+    system: Steppable,
+    x0: ArrayLike | Mapping[str, float],
+    inputs: ArrayLike,
+    *,
+    ts: float = 1.0,
+    check: bool = True,
+    progress: Callable[[int, int], Any] | None = None,
 ) -> Trajectory:
     """Run a system from a state under a sequence of inputs.
 
@@ -58,6 +65,8 @@ def simulate(
         Sample time, only for the time axis.
     check : bool
         Whether leaving a declared range or violating a requirement is an error.
+    progress : callable, optional
+        ``progress(k, steps)`` is called after each step.
 
     Raises
     ------
@@ -65,21 +74,36 @@ def simulate(
         Wrong shapes or values.
     SimulationError
         A step is not defined; the message starts with the number of the step.
+    Interrupted
+        Ctrl-C; it carries the steps that were made.
     """
     if not (isinstance(ts, Real) and 0.0 < ts < np.inf):
         raise ArgumentError(f"ts is {ts!r}: a positive number was expected")
     state = as_vector(x0, system.x, "state")
     controls = _input_sequence(inputs, system.u)
     steps: list[Step] = []
+    try:
+        for step in _steps(system, state, controls, check=check):
+            steps.append(step)
+            if progress is not None:
+                progress(len(steps), len(controls))
+    except KeyboardInterrupt:
+        partial = assemble_trajectory(system, state, controls, steps, ts=ts)
+        raise Interrupted(replace(partial, messages=(f"step {len(steps)}: interrupted",))) from None
+    return assemble_trajectory(system, state, controls, steps, ts=ts)
+
+
+def _steps(system: Steppable, state: Vector, controls: Vector, *, check: bool) -> Iterator[Step]:
+    """One step after the other; errors name theirs."""
     for k, control in enumerate(controls):
         try:
-            steps.append(system.step(state, control, check=check))
+            step = system.step(state, control, check=check)
         except SimulationError as error:
             raise SimulationError(tuple(f"step {k}: {problem}" for problem in error.problems)) from None
         except ArgumentError as error:
             raise ArgumentError(f"step {k}: {error}") from None
-        state = steps[-1][0]
-    return assemble_trajectory(system, as_vector(x0, system.x, "state"), controls, steps, ts=ts)
+        yield step
+        state = step[0]
 
 
 def _input_sequence(inputs: ArrayLike, variables: tuple[Variable, ...]) -> Vector:

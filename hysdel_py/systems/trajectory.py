@@ -16,6 +16,7 @@ from hysdel_py.systems.summary import counted
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
     from pandas import DataFrame
+    from xarray import Dataset
 
 __all__ = ["Trajectory"]
 
@@ -55,6 +56,11 @@ class Trajectory:
     def __repr__(self) -> str:
         signals = "; ".join(", ".join(self.names[key]) for key in ("x", "u", "y") if self.names.get(key))
         return f"<Trajectory of {counted(self.steps, 'step')} to t={self.t[-1]:g}: {signals}>"
+
+    def _repr_html_(self) -> str:
+        from hysdel_py.markup.cards import trajectory_card
+
+        return trajectory_card(self)
 
     @property
     def steps(self) -> int:
@@ -131,11 +137,24 @@ class Trajectory:
         return "\n".join(lines) + "\n"
 
     def to_pandas(self) -> DataFrame:
-        """Table with one row per step as a pandas DataFrame (pandas has to be installed)."""
-        import pandas as pd  # type: ignore[import-untyped,unused-ignore]
+        """Table with one row per step as a pandas DataFrame (pandas has to be installed).
 
-        columns = self.columns()
-        return pd.DataFrame(columns).set_index("t")
+        The index is the time, the columns are those of :meth:`columns`; ``attrs["units"]`` has the known units by
+        column.
+        """
+        from hysdel_py.systems.tables import to_pandas
+
+        return to_pandas(self)
+
+    def to_xarray(self) -> Dataset:
+        """One row per step as an xarray Dataset over the time (xarray has to be installed).
+
+        Each signal has the attributes ``kind`` (letter of its vector, or ``info``), ``units`` and ``description``, as
+        far as they are known.
+        """
+        from hysdel_py.systems.tables import to_xarray
+
+        return to_xarray(self)
 
     def plot(self, *names: str, time_unit: str = "") -> Figure:
         """Draw the named signals, all states, inputs and outputs by default (matplotlib has to be installed).

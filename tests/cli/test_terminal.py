@@ -1,0 +1,141 @@
+"""Manners on a terminal: progress, Ctrl-C, colours; and silence where there is none."""
+
+import csv
+import json
+import signal
+import subprocess
+import sys
+
+import pytest
+
+from hysdel_py.cli.colour import painted
+from hysdel_py.cli.interrupt import first_interrupt
+from hysdel_py.cli.progress import bar, is_terminal, spoken
+
+pytest.importorskip("pty", reason="there are no pseudo-terminals on this system")
+from cli.conftest import TANK
+from cli.terminal import ROOT, watched
+
+LONG = ("simulate", "tank.hys", "--x0", "1,0", "--input", "0,1", "--steps", "2000000")
+
+
+@pytest.fixture
+def folder(tmp_path):
+    (tmp_path / "tank.hys").write_text(TANK, encoding="utf-8")
+    (tmp_path / "wrong.hys").write_text(TANK.replace("gain*flow", "gian*flow"), encoding="utf-8")
+    return tmp_path
+
+
+def test_progress_is_drawn_and_taken_away(folder):
+    seen = watched(*LONG[:-1], "300", "--csv", "run.csv", folder=folder)
+    assert seen.status == 0
+    assert "[########################] step 300 of at most 300" in seen.terminal
+    assert seen.terminal.endswith("\r\x1b[K")
+    assert "\x1b" not in seen.out
+
+
+def test_ctrl_c_leaves_what_was_computed(folder):
+    seen = watched(*LONG, "--csv", "run.csv", folder=folder, interrupt_at="] step")
+    assert seen.status == 1
+    with (folder / "run.csv").open() as file:
+        steps = len(list(csv.reader(file))) - 1
+    assert 0 < steps < 2_000_000
+    assert f"step {steps}: interrupted" in seen.out
+    assert "Traceback" not in seen.terminal
+
+
+def test_ctrl_c_in_a_loop_leaves_its_steps(folder):
+    arguments = (
+        "mpc",
+        "tank.hys",
+        "--x0",
+        "1,0",
+        "--weight",
+        "y=1",
+        "--ref",
+        "y=3",
+        "--horizon",
+        "2",
+        "--steps",
+        "100000",
+    )
+    seen = watched(*arguments, "--csv", "run.csv", folder=folder, interrupt_at="] step")
+    assert seen.status == 1
+    assert "interrupted" in seen.out
+    assert "the loop ended after" in seen.terminal
+    assert len((folder / "run.csv").read_text().splitlines()) > 1
+
+
+def test_no_terminal_no_progress(folder):
+    done = subprocess.run(
+        [sys.executable, "-m", "hysdel_py.cli", *LONG[:-1], "50", "--json"], cwd=folder, env={"PYTHONPATH": str(ROOT)},
+        capture_output=True, text=True, check=True,
+    )  # fmt: skip
+    assert done.stderr == ""
+    assert len(json.loads(done.stdout)["t"]) == 51
+
+
+def test_json_has_no_progress_on_a_terminal_either(folder):
+    assert watched(*LONG[:-1], "50", "--json", folder=folder).terminal == ""
+
+
+def test_diagnostics_are_coloured(folder):
+    seen = watched("check", "wrong.hys", folder=folder)
+    assert seen.status == 1
+    assert "\x1b[31;1merror[HYS201]\x1b[0m" in seen.terminal
+    assert "\x1b[31;1m^^^^\x1b[0m" in seen.terminal
+    assert "\x1b[36mhelp:\x1b[0m did you mean gain?" in seen.terminal
+
+
+@pytest.mark.parametrize(("command", "environment"), [("check", {"NO_COLOR": "1"}), ("compile", {"TERM": "dumb"})])
+def test_no_colour_where_none_is_wanted(folder, command, environment):
+    seen = watched(command, "wrong.hys", folder=folder, environment=environment)
+    assert "error[HYS201]: gian is not declared" in seen.terminal
+    assert "\x1b" not in seen.terminal
+
+
+class Terminal:
+    """A stream that says it is a terminal."""
+
+    def isatty(self):
+        return True
+
+
+def test_a_dumb_terminal_gets_no_bar(monkeypatch):
+    monkeypatch.setattr(sys, "stderr", Terminal())
+    monkeypatch.setenv("TERM", "xterm")
+    assert is_terminal()
+    monkeypatch.setenv("TERM", "dumb")
+    assert not is_terminal()
+
+
+def test_the_first_interrupt_is_noted_and_the_second_obeyed():
+    with first_interrupt() as interruption:
+        assert not interruption.asked
+        signal.raise_signal(signal.SIGINT)
+        assert interruption.asked
+        with pytest.raises(KeyboardInterrupt):
+            signal.raise_signal(signal.SIGINT)
+    assert signal.getsignal(signal.SIGINT) is not interruption.note
+
+
+def test_source_lines_keep_their_colour(monkeypatch):
+    monkeypatch.delenv("NO_COLOR", raising=False)
+    monkeypatch.setenv("TERM", "xterm")
+    text = "warning[HYS541]: a\n --> f:1:2\n  |\n1 | error: help: ^^^ ---\n  |  ----\n  fix: b\n"
+    lines = painted(text, Terminal()).splitlines()
+    assert lines[3] == "1 | error: help: ^^^ ---"
+    assert "\x1b[33;1mwarning" in lines[0]
+    assert lines[4].endswith("----\x1b[0m")
+    assert "fix:\x1b[0m b" in lines[5]
+
+
+@pytest.mark.parametrize(
+    ("done", "total", "filled"), [(0, 10, 0), (5, 10, 12), (10, 10, 24), (30, 10, 24), (0, 0, 24), (-1, 4, 0)]
+)
+def test_bar(done, total, filled):
+    assert bar(done, total) == f"[{'#' * filled}{' ' * (24 - filled)}]"
+
+
+def test_spoken_times():
+    assert [spoken(s) for s in (0.4, 119, 150, 7300, 1e4)] == ["0 s", "119 s", "2 min", "2 h", "3 h"]
