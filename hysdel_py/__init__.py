@@ -84,6 +84,7 @@ if TYPE_CHECKING:
     from hysdel_py.optimize.warm_up import warm_up
     from hysdel_py.reports.explain_infeasible import explain_infeasible
     from hysdel_py.reports.explanation import Explanation
+    from hysdel_py.reports.queries import QueryAnswer, answer_queries
     from hysdel_py.reports.safety import can_reach, must_reach
     from hysdel_py.reports.safety_answer import SafetyAnswer
     from hysdel_py.shipped import shipped_models
@@ -160,6 +161,7 @@ __all__ = [
     "PolyhedralUnion",
     "Polyhedron",
     "Pwa",
+    "QueryAnswer",
     "Reach",
     "SafetyAnswer",
     "SimulationError",
@@ -176,6 +178,7 @@ __all__ = [
     "WaitState",
     "WellPosedness",
     "__version__",
+    "answer_queries",
     "audit",
     "can_reach",
     "closed_loop",
@@ -276,6 +279,7 @@ _HOME = {
     "PolyhedralUnion": "geometry.union",
     "Polyhedron": "geometry.polyhedron",
     "Pwa": "systems.pwa",
+    "QueryAnswer": "reports.queries",
     "Reach": "analysis.reach",
     "SafetyAnswer": "reports.safety_answer",
     "SimulationError": "errors",
@@ -291,6 +295,7 @@ _HOME = {
     "Verification": "analysis.report",
     "WaitState": "drivetrain.schemes.options",
     "WellPosedness": "analysis.well_posed",
+    "answer_queries": "reports.queries",
     "audit": "model",
     "can_reach": "reports.safety",
     "closed_loop": "control.closed_loop",
