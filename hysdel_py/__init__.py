@@ -84,6 +84,8 @@ if TYPE_CHECKING:
     from hysdel_py.optimize.warm_up import warm_up
     from hysdel_py.reports.explain_infeasible import explain_infeasible
     from hysdel_py.reports.explanation import Explanation
+    from hysdel_py.reports.observability import observability
+    from hysdel_py.reports.observability_answer import Observability
     from hysdel_py.reports.queries import QueryAnswer, answer_queries
     from hysdel_py.reports.safety import can_reach, must_reach
     from hysdel_py.reports.safety_answer import SafetyAnswer
@@ -154,6 +156,7 @@ __all__ = [
     "MpQp",
     "MpQpSettings",
     "NodeLog",
+    "Observability",
     "OneWayClutch",
     "ParametricSolution",
     "PiecewiseLinear",
@@ -191,6 +194,7 @@ __all__ = [
     "lyapunov",
     "minkowski_sum",
     "must_reach",
+    "observability",
     "pontryagin_difference",
     "reach",
     "reach_backward",
@@ -272,6 +276,7 @@ _HOME = {
     "MpQp": "optimize.mpqp",
     "MpQpSettings": "optimize.mpqp",
     "NodeLog": "optimize.node_log",
+    "Observability": "reports.observability_answer",
     "OneWayClutch": "drivetrain.components",
     "ParametricSolution": "optimize.mpqp",
     "PiecewiseLinear": "drivetrain.signals",
@@ -308,6 +313,7 @@ _HOME = {
     "lyapunov": "analysis.lyapunov",
     "minkowski_sum": "geometry.relations",
     "must_reach": "reports.safety",
+    "observability": "reports.observability",
     "pontryagin_difference": "geometry.relations",
     "reach": "analysis.reach",
     "reach_backward": "analysis.reach",
