@@ -9,6 +9,8 @@ from typing import TYPE_CHECKING
 from hysdel_py.version import __version__
 
 if TYPE_CHECKING:
+    from hysdel_py.analysis.closed_form import closed_loop_pwa
+    from hysdel_py.analysis.cycles import Cycles, limit_cycles
     from hysdel_py.analysis.diff import diff
     from hysdel_py.analysis.diff_report import Difference
     from hysdel_py.analysis.hybrid_set import HybridSet
@@ -111,6 +113,7 @@ __all__ = [
     "ContactMode",
     "Cost",
     "Coulomb",
+    "Cycles",
     "Dha",
     "Difference",
     "DpSettings",
@@ -185,11 +188,13 @@ __all__ = [
     "audit",
     "can_reach",
     "closed_loop",
+    "closed_loop_pwa",
     "diff",
     "explain_infeasible",
     "explicit",
     "feasible_states",
     "invariant_set",
+    "limit_cycles",
     "load",
     "lyapunov",
     "minkowski_sum",
@@ -230,6 +235,7 @@ _HOME = {
     "ContactMode": "drivetrain.trajectory",
     "Cost": "control.costs",
     "Coulomb": "drivetrain.laws",
+    "Cycles": "analysis.cycles",
     "Dha": "systems.dha",
     "Difference": "analysis.diff_report",
     "DpSettings": "control.dynamic_programming.settings",
@@ -304,11 +310,13 @@ _HOME = {
     "audit": "model",
     "can_reach": "reports.safety",
     "closed_loop": "control.closed_loop",
+    "closed_loop_pwa": "analysis.closed_form",
     "diff": "analysis.diff",
     "explain_infeasible": "reports.explain_infeasible",
     "explicit": "control.explicit",
     "feasible_states": "analysis.invariance",
     "invariant_set": "analysis.invariance",
+    "limit_cycles": "analysis.cycles",
     "load": "model",
     "lyapunov": "analysis.lyapunov",
     "minkowski_sum": "geometry.relations",
