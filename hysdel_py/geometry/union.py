@@ -34,6 +34,7 @@ def difference(polyhedron: Polyhedron, others: Iterable[Polyhedron]) -> tuple[Po
 
 def _remaining(polyhedron: Polyhedron, others: Sequence[Polyhedron]) -> Iterator[Polyhedron]:
     """Pieces of a difference, one after the other, so that asking for the first is cheap."""
+    others = _cutting(polyhedron, others)
     open_pieces = [(polyhedron, 0)] if _has_inner_points(polyhedron) else []
     while open_pieces:
         part, level = open_pieces.pop()
@@ -41,6 +42,31 @@ def _remaining(polyhedron: Polyhedron, others: Sequence[Polyhedron]) -> Iterator
             yield part
         else:
             open_pieces += [(piece, level + 1) for piece in _outside(part, others[level])][::-1]
+
+
+def _cutting(polyhedron: Polyhedron, others: Sequence[Polyhedron]) -> list[Polyhedron]:
+    """The others that have inner points of a bounded polyhedron, with the rows alone that cut it, few rows first.
+
+    A row that no corner passes by more than a ball of the least radius is wide cuts no piece off.
+    """
+    corners = _corners(polyhedron)
+    if corners is None:
+        return list(others)
+    width, found = 2 * polyhedron.precision.empty, []
+    for other in (one.normalised() for one in others):
+        beyond = corners @ other.A.T - other.b
+        if np.all(beyond.min(axis=0, initial=np.inf) < -width):
+            rows = beyond.max(axis=0, initial=-np.inf) > width
+            found.append(Polyhedron(other.A[rows], other.b[rows], other.precision))
+    return sorted(found, key=lambda other: other.m)
+
+
+def _corners(polyhedron: Polyhedron) -> NDArray[np.float64] | None:
+    """Vertices, None for an unbounded polyhedron and one whose scale is too bad for them."""
+    try:
+        return polyhedron.vertices
+    except ArgumentError:
+        return None
 
 
 def _overlap(first: Polyhedron, second: Polyhedron) -> bool:
