@@ -77,15 +77,23 @@ def _overlap(first: Polyhedron, second: Polyhedron) -> bool:
 
 def _outside(part: Polyhedron, other: Polyhedron) -> Iterator[Polyhedron]:
     """Pieces of a polyhedron outside another one."""
-    if not _has_inner_points(part & other):
+    cutting = _cutting(part, [other])
+    if not cutting or not _share_inner_points(part, cutting[0]):
         yield part
         return
-    rest, cut = part, other.normalised()
+    rest, cut = part, cutting[0].normalised()
     for a, b in zip(cut.A, cut.b, strict=True):
         beyond = rest.with_rows(-a, -b)
         if _has_inner_points(beyond):
             yield beyond
             rest = rest.with_rows(a, b)
+
+
+def _share_inner_points(part: Polyhedron, other: Polyhedron) -> bool:
+    """Whether two polyhedra have inner points in common; the centre of the first one may tell."""
+    if float(np.min(other.slack(part.ball.centre) / other.lengths, initial=np.inf)) > part.precision.empty:
+        return _has_inner_points(part)
+    return _has_inner_points(part & other)
 
 
 def _has_inner_points(polyhedron: Polyhedron) -> bool:
