@@ -33,13 +33,13 @@ LAW = """
 """
 QUERIES = """
     QUERIES {
-      NEVER we <= 80 WITHIN 12 FROM %(start)s;
-      EVENTUALLY gamma <= 0.2 WITHIN 12 FROM %(start)s;
-      EVENTUALLY gamma <= 0.2 WITHIN 4 FROM %(start)s;
+      NEVER we <= 80 WITHIN 10 FROM %(start)s;
+      EVENTUALLY gamma <= 0.2 WITHIN 10 FROM %(start)s;
+      EVENTUALLY gamma <= 0.2 WITHIN 3 FROM %(start)s;
     }
 """
 START = (
-    "we >= 85 & we <= 110 & gamma >= 0.2 & gamma <= 1 & Te >= 15 & Te <= 30 & Fn >= 15 & Fn <= 60 & lc <= 0 & lc >= 0"
+    "we >= 95 & we <= 110 & gamma >= 0.2 & gamma <= 1 & Te >= 15 & Te <= 25 & Fn >= 30 & Fn <= 45 & lc <= 0 & lc >= 0"
 )
 
 
