@@ -3,8 +3,8 @@
 python benchmarks/controller_questions.py            as in docs/reachability.md
 python benchmarks/controller_questions.py --runs N   closed loops of the predictive controller (default 12)
 
-Three kinds of answers stand apart: of the lock-up law, which is affine with limits and so closes the loop as a model of
-its own, whose queries are proven; of the model of a gear shift under any inputs; and of the predictive controller of the
+Three kinds of answers stand apart: of the lock-up law, which is affine with limits and so closes the loop as a model
+of its own, whose queries are proven; of the model of a gear shift under any inputs; and of the predictive controller of the
 clutch, which solves a mixed-integer program at each sample and is only run from random starts.
 """
 
@@ -74,7 +74,7 @@ def of_gear_shift() -> Iterator[str]:
     text = text.replace("    STATE {", "    STATE {\n      REAL before [0, F_max];", 1)
     text = text.replace("    CONTINUOUS {", "    CONTINUOUS {\n      before = Fnb;", 1)
     model = hys.load(text)
-    yield "gear shift, any state within the ranges, any inputs; the brake one sample before the flywheel turns forwards:"
+    yield "gear shift, any state in range, any inputs; the brake one sample before the flywheel turns forwards:"
     for force in (5.02, 4.9):
         found = hys.can_reach(model, {"before": 0.0}, f"before >= {force} & wf >= 0", 2)
         yield f"  at least {force:g} N                       {found.verdict:12} {found.seconds:20.2f} s"

@@ -110,7 +110,7 @@ def of_hysdel() -> dict[str, Callable[..., Any]]:
     }
 
 
-def _rows(p: hys.Polyhedron) -> tuple[Array, Array]:
+def _rows(p: Any) -> tuple[Array, Array]:
     return p.A, p.b
 
 
@@ -131,8 +131,8 @@ def of_polytope() -> dict[str, Callable[..., Any]]:
         "vertices": lambda A, b: pc.extreme(made(A, b)),
         "volume": lambda A, b: pc.volume(made(A, b)),
         "minimal": lambda A, b: len(pc.reduce(made(A, b)).b),
-        "hull": lambda V: (lambda p: (p.A, p.b))(pc.qhull(V)),
-        "project": lambda A, b: (lambda p: (p.A, p.b))(made(A, b).project([1])),
+        "hull": lambda V: _rows(pc.qhull(V)),
+        "project": lambda A, b: _rows(made(A, b).project([1])),
     }
 
 
@@ -333,7 +333,7 @@ def outcome(run: Callable[..., Any] | None, operation: str, case: Case, wanted: 
     try:
         seconds, answer = min((timed(run, given) for _ in range(repeat)), key=lambda pair: pair[0])
         return Outcome("right" if is_right(operation, case, answer, wanted) else "wrong", seconds)
-    except Exception:  # noqa: BLE001 -- whatever a tool raises counts as an error
+    except Exception:
         return Outcome("error")
 
 
@@ -358,7 +358,7 @@ def table(repeat: int) -> Iterator[str]:
     """Verdicts of all cases, then sums and ratios of time."""
     tools = installed()
     yield f"{'operation':10} {'case':28}" + "".join(f"{name:>11}" for name in tools)
-    counts = {name: {word: 0 for word in ("right", "wrong", "error")} for name in tools}
+    counts = {name: dict.fromkeys(("right", "wrong", "error"), 0) for name in tools}
     ratios: dict[tuple[str, str], list[float]] = {}
     for operation in OPERATIONS:
         for case in cases():
@@ -384,9 +384,14 @@ def _ratios(ratios: dict[tuple[str, str], list[float]], names: list[str]) -> Ite
     for operation in OPERATIONS:
         cells = [ratios.get((operation, name)) for name in names]
         if any(cells):
-            yield f"{operation:16}" + "".join(f"{np.exp(np.mean(np.log(c))):11.2f}" if c else f"{'-':>11}" for c in cells)
+            yield f"{operation:16}" + "".join(map(_mean, cells))
     every = [[r for (_, tool), some in ratios.items() if tool == name for r in some] for name in names]
-    yield f"{'all':16}" + "".join(f"{np.exp(np.mean(np.log(c))):11.2f}" if c else f"{'-':>11}" for c in every)
+    yield f"{'all':16}" + "".join(map(_mean, every))
+
+
+def _mean(ratios: list[float] | None) -> str:
+    """Geometric mean in a column of the table."""
+    return f"{np.exp(np.mean(np.log(ratios))):11.2f}" if ratios else f"{'-':>11}"
 
 
 def main() -> None:

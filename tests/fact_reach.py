@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 from fact_geometry import region
-from fact_tools import Fact, array, close
+from fact_tools import Fact, NotSupported, array, close
 
 import hysdel_py as hys
 from hysdel_py.analysis.quadratic_bound import Quadratic, is_nowhere_positive

@@ -2,9 +2,9 @@
 
 In cell i ``V(x) = p_i'x + c_i``, with ``c_i = 0`` where the cell holds the equilibrium. V has to exceed the greatest
 coordinate of x, and to fall by a share of it along each step; both are linear at the vertices of the cells and of the
-pairs of cells, and hold between them because V is affine there and the norm is convex (for
-polyhedral functions F. Blanchini and S. Miani, "Set-Theoretic Methods in Control", 2nd ed., Birkhäuser, 2015, chapter 4).
-Cutting the cells along their steps gives V more pieces.
+pairs of cells, and hold between them because V is affine there and the norm is convex (for polyhedral functions F.
+Blanchini and S. Miani, "Set-Theoretic Methods in Control", 2nd ed., Birkhäuser, 2015, chapter 4). Cutting the cells
+along their steps gives V more pieces.
 """
 
 from __future__ import annotations

@@ -234,7 +234,8 @@ class _Search:
         """Whether the cycle was found before, through another cell of a common boundary or from another state."""
         reach = self._settings.apart * _size(states)
         return any(
-            known.period == len(states) and any(np.abs(known.states - shift).max() <= reach for shift in _shifts(states))
+            known.period == len(states)
+            and any(np.abs(known.states - shift).max() <= reach for shift in _shifts(states))
             for known in self.found
         )
 

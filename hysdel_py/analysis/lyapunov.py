@@ -152,13 +152,19 @@ def lyapunov(
     centre = _state(equilibrium, len(pwa.x))
     cells = tuple(_moved(cell, centre) for cell in cells_of(pwa, law))
     _check_equilibrium(cells, centre, tolerances)
-    found = _of_kind(kind, cells, centre, law, cuts, tolerances)
+    found = _of_kind(kind, cells, tolerances, centre=centre, law=law, cuts=cuts)
     away = escape(found.cells)
     return replace(found, equilibrium=centre, escape=None if away is None else away + centre)
 
 
 def _of_kind(
-    kind: str, cells: tuple[Cell, ...], centre: Vector, law: AffineLaw | None, cuts: int, tolerances: LyapunovTolerances
+    kind: str,
+    cells: tuple[Cell, ...],
+    tolerances: LyapunovTolerances,
+    *,
+    centre: Vector,
+    law: AffineLaw | None,
+    cuts: int,
 ) -> Lyapunov:
     match kind:
         case "value":

@@ -1,7 +1,7 @@
 """Whether given quadratic functions of the cells are positive and fall along every step from cell to cell.
 
-The steps are enumerated exactly as pairs of cells with the states that go from one to the other. On each the decrease is
-a quadratic function, whose sign :mod:`hysdel_py.analysis.quadratic_bound` decides. Where both functions are purely
+The steps are enumerated exactly as pairs of cells with the states that go from one to the other. On each the decrease
+is a quadratic function, whose sign :mod:`hysdel_py.analysis.quadratic_bound` decides. Where both functions are purely
 quadratic and the states hold the equilibrium, the sign is that on the facets which do not pass through it, since every
 other state is a multiple of one there.
 """

@@ -65,7 +65,11 @@ def add_parser(commands: argparse._SubParsersAction[argparse.ArgumentParser]) ->
 def run(options: argparse.Namespace) -> int:
     """Run the command; the exit status says whether the states are observable."""
     model = load_model(options)
-    of = options.of if options.of in ("states", "modes") else tuple(n.strip() for n in options.of.split(",") if n.strip())
+    of = (
+        options.of
+        if options.of in ("states", "modes")
+        else tuple(n.strip() for n in options.of.split(",") if n.strip())
+    )
     with native_output_on_stderr():
         answer = observability(
             model,

@@ -26,8 +26,9 @@ examples:
   hysdel safety two_tanks --x0 h1=0:0.2,h2=0:0.2 --steps 20 --always 'level1 <= 0.6'
   hysdel safety two_tanks --x0 h1=0.5 --input q=0 --steps 60 --eventually 'h1 <= 0.1'
 
-Without a statement the QUERIES of the model are answered (docs/language.md). A condition is a Boolean expression of the language over states, inputs, outputs, auxiliaries and parameters. Inputs are
-free at each step within what --input allows. A run that shows the contrary is replayed by the simulator.
+Without a statement the QUERIES of the model are answered (docs/language.md). A condition is a Boolean expression of the
+language over states, inputs, outputs, auxiliaries and parameters. Inputs are free at each step within what --input
+allows. A run that shows the contrary is replayed by the simulator.
 
 exit status: 0 the statements hold, 1 one does not, or there is no run, 4 not settled within the limits
 """
@@ -59,7 +60,9 @@ def add_parser(commands: argparse._SubParsersAction[argparse.ArgumentParser]) ->
     statement.add_argument("--never", metavar="EXPR", help="the condition holds at none of the steps")
     statement.add_argument("--always", metavar="EXPR", help="it holds at all steps")
     statement.add_argument("--eventually", metavar="EXPR", help="each run meets it at some step")
-    parser.add_argument("--seconds", type=float, default=300.0, metavar="T", help="time limit of each search (default 300)")
+    parser.add_argument(
+        "--seconds", type=float, default=300.0, metavar="T", help="time limit of each search (default 300)"
+    )
     add_files(parser)
     add_output(parser, "the answer")
     parser.set_defaults(run=run)

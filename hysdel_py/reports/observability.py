@@ -1,4 +1,4 @@
-"""Do inputs and outputs tell where a run started, and in which mode? A pair of runs that they do not tell, or a proof."""
+"""Do inputs and outputs tell where a run started, and in which mode? Two runs that they do not tell, or a proof."""
 
 from __future__ import annotations
 

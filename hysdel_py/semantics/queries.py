@@ -19,9 +19,7 @@ from hysdel_py.systems.signals import Type
 __all__ = ["resolve_queries"]
 
 
-def resolve_queries(
-    system: ast.System, symbols: Mapping[str, Symbol], source: Source, sink: Sink
-) -> tuple[Query, ...]:
+def resolve_queries(system: ast.System, symbols: Mapping[str, Symbol], source: Source, sink: Sink) -> tuple[Query, ...]:
     """Typed queries of a scalar syntax tree in file order; the wrong ones are left out and told to the sink."""
     own = Sink()  # notes about single expressions say nothing more: the original compiler knows no query at all
     resolver = _QueryResolver(symbols, source, own)
@@ -52,7 +50,7 @@ class _QueryResolver:
         start = None if query.start is None else self._typer.typed(query.start, Type.BOOL)
         steps = self._steps(query)
         self._check_start(start)
-        self._check_time(condition, steps, query)
+        self._check_time(condition, steps)
         if condition is not None and self._sink.error_count == before:
             since = "" if start is None else f" FROM {infix(start)}"
             text = f"{query.kind.value} {infix(condition)} WITHIN {steps}{since}"
@@ -76,7 +74,7 @@ class _QueryResolver:
                 help="use states and parameters",
             )  # fmt: skip
 
-    def _check_time(self, condition: Expression | None, steps: int, query: ast.Query) -> None:
+    def _check_time(self, condition: Expression | None, steps: int) -> None:
         """What is no state has no value after the last step, and so none WITHIN 0."""
         wrong = [] if condition is None else _other_than_states(condition)
         for use in wrong[: steps == 0]:

@@ -115,5 +115,7 @@ def test_observe(hysdel):
     assert found.status == 1
     assert "indistinguishable" in found.out  # nobody sees whether the valve was open
     assert hysdel("observe", "tank.hys", "--steps", 2, "--of", "level").status == 0
-    assert hysdel("observe", "tank.hys", "--steps", 2, "--of", "was_open", "--json").json["verdict"] == "indistinguishable"
+    assert (
+        hysdel("observe", "tank.hys", "--steps", 2, "--of", "was_open", "--json").json["verdict"] == "indistinguishable"
+    )
     assert "names of states" in hysdel("observe", "tank.hys", "--steps", 2, "--of", "flow").err

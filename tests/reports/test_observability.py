@@ -23,7 +23,10 @@ SWITCHED = """SYSTEM switched {
 
 def linear_text(A, C):
     names = ["p", "q"]
-    row = lambda r: " + ".join(f"({c!r})*{n}" for c, n in zip(map(float, r), names, strict=True))
+
+    def row(r):
+        return " + ".join(f"({c!r})*{n}" for c, n in zip(map(float, r), names, strict=True))
+
     updates = " ".join(f"{n} = {row(r)};" for n, r in zip(names, A, strict=True))
     return (
         "SYSTEM l { INTERFACE { STATE { REAL p [-1, 1]; REAL q [-1, 1]; } OUTPUT { REAL y; } }"
@@ -80,7 +83,10 @@ def test_what_is_known_of_the_start_and_the_inputs_helps():
 def test_modes():
     model = hys.load(SWITCHED)
     assert hys.observability(model, 2, of="modes").verdict == "indistinguishable"
-    assert hys.observability(model, 2, of=["up"], x0={"b": 1, "x": (-1, 1)}, resolution=1e-3).verdict == "indistinguishable"
+    assert (
+        hys.observability(model, 2, of=["up"], x0={"b": 1, "x": (-1, 1)}, resolution=1e-3).verdict
+        == "indistinguishable"
+    )
     blind = hys.observability(model, 2, of="up", x0={"b": 1, "x": (0.1, 1)})
     assert blind.verdict == "observable"
 

@@ -60,16 +60,19 @@ def test_what_is_printed_is_read_back(query, dialect):
 def bare(expression):
     """An expression without the numbers of the lines of its symbols."""
     inner = tuple(map(bare, children(expression)))
-    return inner and (expression.op, *inner) or getattr(expression, "symbol", expression)
+    return (inner and (expression.op, *inner)) or getattr(expression, "symbol", expression)
 
 
 def test_words_of_queries_are_names_elsewhere():
     text = """SYSTEM s { INTERFACE { STATE { REAL NEVER [0, 1], WITHIN [0, 1]; } }
-      IMPLEMENTATION { AUX { REAL QUERIES; } LINEAR { QUERIES = NEVER; } CONTINUOUS { NEVER = WITHIN; WITHIN = QUERIES; } } }"""
+      IMPLEMENTATION { AUX { REAL QUERIES; } LINEAR { QUERIES = NEVER; }
+      CONTINUOUS { NEVER = WITHIN; WITHIN = QUERIES; } } }"""
     assert hys.load(text).dha.step([0, 1])[0].tolist() == [1, 0]
 
 
-@pytest.mark.parametrize(("front", "asked"), [(ON, True), ("// Extension:  QUERIES\n", True), ("/* extensions */", False)])
+@pytest.mark.parametrize(
+    ("front", "asked"), [(ON, True), ("// Extension:  QUERIES\n", True), ("/* extensions */", False)]
+)
 def test_ways_to_state_it(front, asked):
     assert (Extension.QUERIES in stated_extensions(Source("text", front + "SYSTEM"), Sink())) is asked
 
