@@ -4,8 +4,8 @@ python benchmarks/controller_questions.py            as in docs/reachability.md
 python benchmarks/controller_questions.py --runs N   closed loops of the predictive controller (default 12)
 
 Three kinds of answers stand apart: of the lock-up law, which is affine with limits and so closes the loop as a model
-of its own, whose queries are proven; of the model of a gear shift under any inputs; and of the predictive controller of the
-clutch, which solves a mixed-integer program at each sample and is only run from random starts.
+of its own, whose queries are proven; of the model of a gear shift under any inputs; and of the predictive controller of
+the clutch, which solves a mixed-integer program at each sample and is only run from random starts.
 """
 
 from __future__ import annotations

@@ -30,7 +30,7 @@ class Quadratic:
 
     def __call__(self, x: Matrix) -> Vector:
         """Values at the rows of an array."""
-        return np.einsum("ki,ij,kj->k", x, self.H, x) + x @ self.g + self.c
+        return np.asarray(np.einsum("ki,ij,kj->k", x, self.H, x) + x @ self.g + self.c)
 
 
 @dataclass(frozen=True, eq=False, slots=True)
