@@ -93,3 +93,37 @@ def test_wrong_arguments():
     with pytest.raises(ArgumentError, match="there is no"):
         hys.answer_queries(hys.load(TEXT, low=0), inputs={"p": 1})
     assert hys.answer_queries(hys.load("two_tanks")) == ()
+
+
+def random_model(draw):
+    """Two states, a threshold that changes the map and a Boolean state; stays within its ranges."""
+    a = draw.uniform(-0.5, 0.5, (2, 2, 2)).round(2)
+    slope, offset = draw.uniform(-1, 1, 2).round(2), round(float(draw.uniform(-0.5, 0.5)), 2)
+    row = [[f"({float(a[m, i, 0])!r})*p + ({float(a[m, i, 1])!r})*q" for i in range(2)] for m in range(2)]
+    goal = round(float(draw.uniform(0.2, 1.2)), 2)
+    text = f"""/* extension: queries */
+    SYSTEM r {{ INTERFACE {{ STATE {{ REAL p [-2, 2]; REAL q [-2, 2]; BOOL b; }} INPUT {{ REAL u [-0.5, 0.5]; }} }}
+    IMPLEMENTATION {{ AUX {{ BOOL s; REAL m, n; }}
+      AD {{ s = ({float(slope[0])!r})*p + ({float(slope[1])!r})*q <= {offset!r}; }}
+      DA {{ m = {{IF s THEN {row[0][0]} ELSE {row[1][0]}}}; n = {{IF s & b THEN {row[0][1]} ELSE {row[1][1]}}}; }}
+      CONTINUOUS {{ p = m + u; q = n - 0.5*u; }} AUTOMATA {{ b = s; }}
+      QUERIES {{ NEVER p >= {goal!r} WITHIN 3 FROM p >= -0.2 & p <= 0.2 & q >= -0.2 & q <= 0.2 & ~b; }} }} }}"""
+    return hys.load(text), goal
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_programs_sets_and_random_runs_agree(seed):
+    draw = np.random.default_rng(seed)
+    model, goal = random_model(draw)
+    (found,) = hys.answer_queries(model)
+    start = {"p": (-0.2, 0.2), "q": (-0.2, 0.2), "b": 0}
+    sets = hys.reach(model, start, 3)
+    top = max(states.ranges()["p"][1] for states in sets.sets)
+    assert abs(top - goal) > 1e-5, "a goal at the edge of the sets tells nothing"
+    assert found.verdict == ("violated" if top > goal else "holds")
+    for _ in range(60):
+        x0 = [*draw.uniform(-0.2, 0.2, 2), 0]
+        inputs = np.where(draw.random((3, 1)) < 0.5, draw.choice([-0.5, 0.5], (3, 1)), draw.uniform(-0.5, 0.5, (3, 1)))
+        run = model.simulate(x0, inputs)
+        assert all(states.contains(x, 1e-6) for states, x in zip(sets.sets, run.x, strict=True))
+        assert found.verdict == "violated" or run["p"].max() < goal
