@@ -9,6 +9,8 @@ from typing import TYPE_CHECKING
 from hysdel_py.version import __version__
 
 if TYPE_CHECKING:
+    from hysdel_py.analysis.closed_form import closed_loop_pwa
+    from hysdel_py.analysis.cycles import Cycles, limit_cycles
     from hysdel_py.analysis.diff import diff
     from hysdel_py.analysis.diff_report import Difference
     from hysdel_py.analysis.hybrid_set import HybridSet
@@ -87,7 +89,10 @@ if TYPE_CHECKING:
     from hysdel_py.optimize.warm_up import warm_up
     from hysdel_py.reports.explain_infeasible import explain_infeasible
     from hysdel_py.reports.explanation import Explanation
+    from hysdel_py.reports.observability import observability
+    from hysdel_py.reports.observability_answer import Observability
     from hysdel_py.reports.page import html_report
+    from hysdel_py.reports.queries import QueryAnswer, answer_queries
     from hysdel_py.reports.safety import can_reach, must_reach
     from hysdel_py.reports.safety_answer import SafetyAnswer
     from hysdel_py.shipped import shipped_models
@@ -114,6 +119,7 @@ __all__ = [
     "ContactMode",
     "Cost",
     "Coulomb",
+    "Cycles",
     "Dha",
     "Difference",
     "DpSettings",
@@ -160,6 +166,7 @@ __all__ = [
     "MpQp",
     "MpQpSettings",
     "NodeLog",
+    "Observability",
     "OneWayClutch",
     "ParametricSolution",
     "PiecewiseLinear",
@@ -167,6 +174,7 @@ __all__ = [
     "PolyhedralUnion",
     "Polyhedron",
     "Pwa",
+    "QueryAnswer",
     "Reach",
     "SafetyAnswer",
     "SimulationError",
@@ -185,9 +193,11 @@ __all__ = [
     "WaitState",
     "WellPosedness",
     "__version__",
+    "answer_queries",
     "audit",
     "can_reach",
     "closed_loop",
+    "closed_loop_pwa",
     "diff",
     "explain_infeasible",
     "explicit",
@@ -195,10 +205,12 @@ __all__ = [
     "from_iosystem",
     "html_report",
     "invariant_set",
+    "limit_cycles",
     "load",
     "lyapunov",
     "minkowski_sum",
     "must_reach",
+    "observability",
     "pontryagin_difference",
     "reach",
     "reach_backward",
@@ -238,6 +250,7 @@ _HOME = {
     "ContactMode": "drivetrain.trajectory",
     "Cost": "control.costs",
     "Coulomb": "drivetrain.laws",
+    "Cycles": "analysis.cycles",
     "Dha": "systems.dha",
     "Difference": "analysis.diff_report",
     "DpSettings": "control.dynamic_programming.settings",
@@ -285,6 +298,7 @@ _HOME = {
     "MpQp": "optimize.mpqp",
     "MpQpSettings": "optimize.mpqp",
     "NodeLog": "optimize.node_log",
+    "Observability": "reports.observability_answer",
     "OneWayClutch": "drivetrain.components",
     "ParametricSolution": "optimize.mpqp",
     "PiecewiseLinear": "drivetrain.signals",
@@ -292,6 +306,7 @@ _HOME = {
     "PolyhedralUnion": "geometry.union",
     "Polyhedron": "geometry.polyhedron",
     "Pwa": "systems.pwa",
+    "QueryAnswer": "reports.queries",
     "Reach": "analysis.reach",
     "SafetyAnswer": "reports.safety_answer",
     "SimulationError": "errors",
@@ -309,9 +324,11 @@ _HOME = {
     "Verification": "analysis.report",
     "WaitState": "drivetrain.schemes.options",
     "WellPosedness": "analysis.well_posed",
+    "answer_queries": "reports.queries",
     "audit": "model",
     "can_reach": "reports.safety",
     "closed_loop": "control.closed_loop",
+    "closed_loop_pwa": "analysis.closed_form",
     "diff": "analysis.diff",
     "explain_infeasible": "reports.explain_infeasible",
     "explicit": "control.explicit",
@@ -319,10 +336,12 @@ _HOME = {
     "from_iosystem": "bridges.toolboxes",
     "html_report": "reports.page",
     "invariant_set": "analysis.invariance",
+    "limit_cycles": "analysis.cycles",
     "load": "model",
     "lyapunov": "analysis.lyapunov",
     "minkowski_sum": "geometry.relations",
     "must_reach": "reports.safety",
+    "observability": "reports.observability",
     "pontryagin_difference": "geometry.relations",
     "reach": "analysis.reach",
     "reach_backward": "analysis.reach",

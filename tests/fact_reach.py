@@ -7,6 +7,7 @@ from fact_geometry import region
 from fact_tools import Fact, NotSupported, array, close
 
 import hysdel_py as hys
+from hysdel_py.analysis.quadratic_bound import Quadratic, is_nowhere_positive
 from hysdel_py.geometry.polyhedron import Polyhedron
 from hysdel_py.geometry.relations import are_equal
 from hysdel_py.optimize.mpqp import MpQp, solve_mpqp
@@ -93,4 +94,16 @@ def function(fact: Fact) -> str:
             forms = [Affine(0.0, tuple((str(i), c) for i, c in enumerate(row))) for row in rows]
             close([form.value({str(i): v for i, v in enumerate(x)}) for form in forms], expected[name], tolerance, name)
         return "three functions"
-    raise NotSupported("a quadratic function over a set that no program or certificate has made")
+    return quadratic(fact)
+
+
+def quadratic(fact: Fact) -> str:
+    """The value of a quadratic function at a point of a box, and that its bounds on the box hold it."""
+    p, expected = fact["problem"], fact["expected"]
+    H, point, box = array(p["H"]), array(p["x"]), Polyhedron.box(p["lb"], p["ub"])
+    found = Quadratic((H + H.T) / 2, array(p["F"]).ravel(), float(p["g"]))
+    close(found(point[None])[0], expected["value"], fact["tolerance"], "value")
+    assert box.contains(point)
+    lowered = Quadratic(found.H, found.g, found.c - expected["value"] + 0.1)
+    assert not is_nowhere_positive(lowered, box, fact["tolerance"], 1000).holds
+    return "a quadratic function"

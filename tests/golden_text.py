@@ -17,7 +17,7 @@ from hysdel_py.syntax.source import Source
 from hysdel_py.syntax.traversal import fold
 
 GOLDEN = Path(__file__).parent / "golden"
-MODELS = ("heater", "casts", "vectors")
+MODELS = ("heater", "casts", "vectors", "queries")
 STAGES = ("ast", "typed", "dha", "mld", "tight")
 
 
@@ -89,6 +89,9 @@ def _item(item: ast.Item) -> list[str]:
             return [f"{expression_text(target)} = {expression_text(value)}{_triple(triple)}"]
         case ast.Requirement(value=value):
             return [expression_text(value)]
+        case ast.Query(kind=kind, condition=condition, steps=steps, start=start):
+            parts = [kind.value.lower(), expression_text(condition), "within", expression_text(steps)]
+            return [" ".join(parts + ([] if start is None else ["from", expression_text(start)]))]
         case ast.Loop(iterator=iterator, low=low, high=high, items=items):
             head = f"for {iterator.name} = {expression_text(low)}:{expression_text(high)}"
             return [head, *(f"  {line}" for inner in items for line in _item(inner))]
@@ -125,6 +128,10 @@ def typed_text(model: TypedModel) -> str:
     for item in model.items:
         target = f"{item.target.name} " if item.target else ""
         lines.append(f"  {item.number} {item.section.value} line {item.line}: {target}{_body(item.body)}")
+    for query in model.queries:
+        start = "" if query.start is None else f" from {typed_expression_text(query.start)}"
+        asked = f"{query.kind.value.lower()} {typed_expression_text(query.condition)} within {query.steps}{start}"
+        lines.append(f"  query line {query.line}: {asked}")
     return "\n".join(lines) + "\n"
 
 

@@ -12,10 +12,10 @@ from numpy.typing import NDArray
 from hysdel_py.analysis.pwa_branches import Branch, branches_of
 from hysdel_py.errors import ArgumentError
 from hysdel_py.geometry.polyhedron import Polyhedron
-from hysdel_py.geometry.union import PolyhedralUnion
+from hysdel_py.geometry.union import difference
 from hysdel_py.systems.pwa import Pwa
 
-__all__ = ["AffineLaw", "Cell", "cells_of", "is_kept", "transitions"]
+__all__ = ["AffineLaw", "Cell", "cells_of", "escape", "transitions"]
 
 Matrix = NDArray[np.float64]
 Vector = NDArray[np.float64]
@@ -113,7 +113,14 @@ def transitions(cells: Sequence[Cell]) -> tuple[tuple[int, int, Polyhedron], ...
     return tuple(found)
 
 
-def is_kept(cells: Sequence[Cell]) -> bool:
-    """Whether every step from a cell leads into a cell, up to sets without inner points."""
-    union = PolyhedralUnion(tuple(cell.region for cell in cells))
-    return all(union.covers(cell.region.image(cell.A, cell.f)) for cell in cells)
+def escape(cells: Sequence[Cell]) -> Vector | None:
+    """A state in a cell whose step leads into no cell; None if there is none, up to sets without inner points.
+
+    The states are compared before the step: after it they may have no inner points, where nothing could be compared.
+    """
+    for cell in cells:
+        led_back = [there.region.preimage(cell.A, cell.f) for there in cells]
+        left = difference(cell.region, led_back)
+        if left:
+            return left[0].ball.centre
+    return None

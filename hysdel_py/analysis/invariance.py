@@ -12,6 +12,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from hysdel_py.analysis.hybrid_set import HybridSet, Span, hybrid_set
+from hysdel_py.analysis.output_limits import with_output_limits
 from hysdel_py.analysis.reach import HasPwa, Progress, pwa_of, reach_backward, tidied
 from hysdel_py.errors import ArgumentError
 from hysdel_py.geometry.polyhedron import Polyhedron
@@ -108,12 +109,13 @@ def feasible_states(
     within: Mapping[str, Span] | Polyhedron | HybridSet | None = None,
     terminal: Mapping[str, Span] | Polyhedron | HybridSet | None = None,
     inputs: Mapping[str, Span] | None = None,
+    outputs: Mapping[str, Span] | None = None,
     progress: Progress | None = None,
 ) -> HybridSet:
     """States from which some inputs keep allowed states over some steps and end in a terminal set.
 
-    This is the feasible set of a predictive controller with that horizon, those limits on states and inputs, and that
-    terminal set. `within` does not hold for the first state, as it is measured.
+    This is the feasible set of a predictive controller with that horizon, those hard limits on states, inputs and
+    outputs, and that terminal set. `within` does not hold for the first state, as it is measured.
 
     Parameters
     ----------
@@ -123,8 +125,10 @@ def feasible_states(
         Declared ranges by default.
     inputs, progress
         As for :func:`invariant_set`.
+    outputs : mapping of name to value or (low, high), optional
+        Where outputs have to lie in each of the steps, the first one too; those that are not named are free.
     """
-    pwa = pwa_of(system)
+    pwa = with_output_limits(pwa_of(system), outputs or {})
     allowed = hybrid_set({} if within is None else within, pwa.x, "within")
     states = allowed if terminal is None else tidied(allowed & hybrid_set(terminal, pwa.x, "terminal"))
     if not isinstance(steps, int) or steps < 0:

@@ -9,15 +9,17 @@ affine and hybrid systems: an LMI approach", CDC 2000). What the solver returns 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
-from typing import Literal
+from dataclasses import dataclass, replace
+from typing import Any, Literal
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from hysdel_py.analysis.cells import AffineLaw, Cell, cells_of, is_kept, transitions
+from hysdel_py.analysis.affine_lyapunov import cut_along_steps, cut_at_origin, search_affine
+from hysdel_py.analysis.cells import AffineLaw, Cell, cells_of, escape, transitions
 from hysdel_py.analysis.matrix_inequalities import Inequalities
 from hysdel_py.analysis.reach import HasPwa, pwa_of
+from hysdel_py.analysis.value_decrease import DecreaseSettings, decrease_of
 from hysdel_py.errors import ArgumentError
 from hysdel_py.geometry.polyhedron import Polyhedron
 from hysdel_py.systems.pwa import Pwa
@@ -54,7 +56,7 @@ class Lyapunov:
         Whether V is positive and decreases along every step within the cells, by more than rounding. False says that
         no such function was found, not that the system is unstable.
     kind : str
-        ``"quadratic"`` or ``"piecewise"``.
+        As asked for.
     cells : tuple of Cell
         In coordinates whose origin is the equilibrium.
     P : array of shape (count, n + 1, n + 1)
@@ -62,10 +64,12 @@ class Lyapunov:
     equilibrium : array of shape (n,)
     margin : float
         Least eigenvalue of all inequalities, relative to the unit that was demanded; positive in a certificate.
-    is_kept : bool
-        Whether no step leaves the cells. If not, V certifies the decrease only while a run stays in them.
     message : str
-        What the solver said.
+        What the solver, or the check, said.
+    escape : array of shape (n,) or None
+        A state whose step leaves the cells; None if there is none.
+    witness : array of shape (n,) or None
+        A state at which a value function was found not to be positive or not to fall.
     """
 
     found: bool
@@ -74,8 +78,14 @@ class Lyapunov:
     P: Matrix
     equilibrium: Vector
     margin: float
-    is_kept: bool
     message: str
+    escape: Vector | None = None
+    witness: Vector | None = None
+
+    @property
+    def is_kept(self) -> bool:
+        """Whether no step leaves the cells. If not, V certifies the decrease only while a run stays in them."""
+        return self.escape is None
 
     @property
     def proves_stability(self) -> bool:
@@ -101,10 +111,11 @@ class Lyapunov:
 
 def lyapunov(
     system: Pwa | HasPwa,
-    kind: Literal["quadratic", "piecewise"] = "piecewise",
+    kind: Literal["quadratic", "piecewise", "affine", "value"] = "piecewise",
     *,
     law: AffineLaw | None = None,
     equilibrium: ArrayLike | None = None,
+    cuts: int = 0,
     tolerances: LyapunovTolerances = LyapunovTolerances(),
 ) -> Lyapunov:
     """Search a Lyapunov function of a system without inputs, or of its closed loop with an explicit law.
@@ -113,11 +124,15 @@ def lyapunov(
     ----------
     system : Pwa or Model
         With real states alone.
-    kind : {"quadratic", "piecewise"}
-        One quadratic function for all cells, or one for each.
+    kind : {"quadratic", "piecewise", "affine", "value"}
+        One quadratic function for all cells, one quadratic or affine function for each, or the value function of the
+        law, which is checked and not searched.
     law : ExplicitLaw, optional
     equilibrium : array_like of shape (n,), optional
         The state that is to be stable; zero by default.
+    cuts : int
+        How often cells are cut along their steps before an affine function is searched, which gives it more pieces;
+        those that hold the equilibrium are cut by the planes of the coordinates in any case.
     tolerances : LyapunovTolerances
 
     Returns
@@ -127,18 +142,72 @@ def lyapunov(
     Raises
     ------
     ArgumentError
-        Boolean states, inputs without a law, a state that is no equilibrium; or clarabel, the extra `stability`, is
-        not installed.
+        Boolean states, inputs without a law, a state that is no equilibrium, a value function that is asked for and
+        not known, cells without bounds for an affine function; or clarabel, the extra `stability`, which quadratic
+        functions need, is not installed.
     """
-    if kind not in ("quadratic", "piecewise"):
-        raise ArgumentError(f"kind is {kind!r}: 'quadratic' or 'piecewise' was expected")
+    if kind not in ("quadratic", "piecewise", "affine", "value"):
+        raise ArgumentError(f"kind is {kind!r}: 'quadratic', 'piecewise', 'affine' or 'value' was expected")
     pwa = pwa_of(system)
     centre = _state(equilibrium, len(pwa.x))
     cells = tuple(_moved(cell, centre) for cell in cells_of(pwa, law))
     _check_equilibrium(cells, centre, tolerances)
-    search = _Search(cells, kind, tolerances)
-    P, margin, message = search.solve()
-    return Lyapunov(margin > tolerances.margin, kind, cells, P, centre, margin, is_kept(cells), message)
+    found = _of_kind(kind, cells, tolerances, centre=centre, law=law, cuts=cuts)
+    away = escape(found.cells)
+    return replace(found, equilibrium=centre, escape=None if away is None else away + centre)
+
+
+def _of_kind(
+    kind: str,
+    cells: tuple[Cell, ...],
+    tolerances: LyapunovTolerances,
+    *,
+    centre: Vector,
+    law: AffineLaw | None,
+    cuts: int,
+) -> Lyapunov:
+    match kind:
+        case "value":
+            return _value_function(cells, centre, law)
+        case "affine":
+            return _affine(cells, cuts, tolerances)
+        case _:
+            P, margin, message = _Search(cells, kind, tolerances).solve()
+            return Lyapunov(margin > tolerances.margin, kind, cells, P, centre, margin, message)
+
+
+def _affine(cells: tuple[Cell, ...], cuts: int, tolerances: LyapunovTolerances) -> Lyapunov:
+    if isinstance(cuts, bool) or not isinstance(cuts, int) or cuts < 0:
+        raise ArgumentError(f"cuts is {cuts!r}: a whole number of at least 0 was expected")
+    cells = cut_at_origin(cells, [_at_origin(cell, tolerances) for cell in cells])
+    for _ in range(cuts):
+        cells = cut_along_steps(cells)
+    n = len(cells[0].f)
+    found = search_affine(cells, [_at_origin(cell, tolerances) for cell in cells], tolerances.origin)
+    P = np.zeros((len(found.c), n + 1, n + 1))
+    P[:, :n, n] = P[:, n, :n] = found.p / 2
+    P[:, n, n] = found.c
+    kept = found.rate > tolerances.margin
+    return Lyapunov(kept, "affine", cells, P, np.zeros(n), found.rate, found.message)
+
+
+def _value_function(cells: tuple[Cell, ...], centre: Vector, law: AffineLaw | None) -> Lyapunov:
+    """The value function of a law, less its value at the equilibrium, as a candidate that is checked."""
+    if law is None or not getattr(law, "has_value", False):
+        raise ArgumentError("there is no value function: give a law that has one, from before it was merged")
+    n = len(centre)
+    move = np.block([[np.eye(n), centre[:, None]], [np.zeros((1, n)), 1.0]])
+    P = np.array([move.T @ _value_form(law, int(cell.law or 0)) @ move for cell in cells])
+    P[:, n, n] -= law.value(centre)  # type: ignore[attr-defined]
+    found = decrease_of(cells, P, DecreaseSettings())
+    witness = None if found.witness is None else found.witness + centre
+    margin = 1.0 if found.holds else -np.inf
+    return Lyapunov(found.holds, "value", cells, P, centre, margin, found.message, witness=witness)
+
+
+def _value_form(law: Any, region: int) -> Matrix:
+    P, q = np.asarray(law.P[region]), np.asarray(law.q[region])
+    return np.block([[P / 2, q[:, None] / 2], [q[None] / 2, float(law.r[region])]])
 
 
 def _state(given: ArrayLike | None, n: int) -> Vector:

@@ -27,7 +27,10 @@ from hysdel_py.systems.formula import Connective, Formula
 from hysdel_py.systems.origin import Origin
 from hysdel_py.systems.signals import Kind, Type, Variable
 
-__all__ = ["RESULT", "Monitor", "Signal", "Watch", "monitor_of_intervals", "monitor_of_set", "signals_of", "watch"]
+__all__ = [
+    "RESULT", "Monitor", "Signal", "Watch", "monitor_of_intervals", "monitor_of_rows", "monitor_of_set", "signals_of",
+    "watch",
+]  # fmt: skip
 
 RESULT = "condition_holds"
 """The auxiliary that tells whether a condition holds."""
@@ -136,7 +139,7 @@ def monitor_of_intervals(given: Mapping[str, Span], dha: Dha, what: str) -> Moni
     ends = dict(zip(signals, zip(low, high, strict=True), strict=True))
     rows = [row for name in chosen for row in _interval(name, *ends[name])]
     text = " & ".join(_spoken(name, *ends[name]) for name in chosen) or "any state"
-    return _monitor(text, chosen, [rows])
+    return monitor_of_rows(text, chosen, [rows])
 
 
 def monitor_of_set(states: HybridSet, what: str) -> Monitor:
@@ -150,7 +153,7 @@ def monitor_of_set(states: HybridSet, what: str) -> Monitor:
                 for a, b in zip(piece.region.A, piece.region.b, strict=True)]  # fmt: skip
         rows += [row for name, value in zip(booleans, piece.word, strict=True) for row in _interval(name, value, value)]
         pieces.append(rows)
-    return _monitor(what, signals, pieces)
+    return monitor_of_rows(what, signals, pieces)
 
 
 def _interval(name: str, low: float, high: float) -> list[Affine]:
@@ -162,7 +165,7 @@ def _spoken(name: str, low: float, high: float) -> str:
     return f"{name} = {low:g}" if low == high else f"{low:g} <= {name} <= {high:g}"
 
 
-def _monitor(text: str, signals: Mapping[str, Signal], pieces: Sequence[Sequence[Affine]]) -> Monitor:
+def monitor_of_rows(text: str, signals: Mapping[str, Signal], pieces: Sequence[Sequence[Affine]]) -> Monitor:
     """At least one piece holds; a piece holds where all its forms are at most zero."""
     events: list[DhaItem] = []
     postfix: list[str | bool | Connective] = [False]

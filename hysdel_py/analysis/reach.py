@@ -18,8 +18,9 @@ from numpy.typing import ArrayLike
 
 from hysdel_py.analysis.hybrid_set import HybridSet, Piece, Span, box_of, hybrid_set
 from hysdel_py.analysis.pwa_branches import Branch, branches_of
-from hysdel_py.analysis.reach_images import Backward, Forward, greatest
-from hysdel_py.analysis.templates import boxes, template_of
+from hysdel_py.analysis.reach_images import Backward, Forward
+from hysdel_py.analysis.replacement import box_around, empty_share
+from hysdel_py.analysis.templates import template_of
 from hysdel_py.errors import ArgumentError
 from hysdel_py.geometry.polyhedron import Polyhedron
 from hysdel_py.geometry.union import PolyhedralUnion
@@ -50,12 +51,16 @@ class Reach:
         From this step on nothing new is reached: the union of the sets up to here is that of all times.
     is_complete : bool
         False if the computation was interrupted; then `sets` ends early.
+    losses : tuple of float
+        For each step the greatest share of a box that holds none of the pieces which it stands for, because there
+        were more than `most`; 0 where no piece was replaced at that step. Later steps start from what was kept.
     """
 
     sets: tuple[HybridSet, ...]
     is_exact: bool
     settled_at: int | None
     is_complete: bool
+    losses: tuple[float, ...] = ()
 
     @property
     def union(self) -> HybridSet:
@@ -113,7 +118,7 @@ def reach(
     inputs: Mapping[str, Span] | None = None,
     sets: Sets = "exact",
     merge: bool = True,
-    most: int = 500,
+    most: int = 200,
     executor: Executor | None = None,
     progress: Progress | None = None,
 ) -> Reach:
@@ -132,8 +137,8 @@ def reach(
     merge : bool
         Drop pieces that others cover, and join pieces whose union is convex.
     most : int
-        When a step has more pieces for one value of the Boolean states, they are replaced by one enclosure, and the
-        result says that it is not exact.
+        When a step has more pieces for one value of the Boolean states, they are replaced by one box around them, and
+        the result says that it is not exact and how much of the box is empty.
     executor : concurrent.futures.Executor, optional
         Takes the pieces of a step; the result does not depend on it.
     progress : callable, optional
@@ -165,7 +170,7 @@ def reach_backward(
     inputs: Mapping[str, Span] | None = None,
     sets: Sets = "exact",
     merge: bool = True,
-    most: int = 500,
+    most: int = 200,
     executor: Executor | None = None,
     progress: Progress | None = None,
 ) -> Reach:
@@ -224,11 +229,12 @@ def _with_inputs(branches: Sequence[Branch], given: Mapping[str, Span], u: Seque
 
 
 def _steps(step: Forward | Backward, first: HybridSet, course: _Course, *, exact: bool) -> Reach:
-    found, known, settled, complete = [first], first, None, False
+    found, known, settled, complete, losses = [first], first, None, False, [0.0]
     try:
         for k in range(1, course.steps + 1):
-            states, is_exact = _tidied(HybridSet(first.x, tuple(course.each(step, found[-1].pieces))), course)
-            exact = exact and is_exact
+            states, loss = _tidied(HybridSet(first.x, tuple(course.each(step, found[-1].pieces))), course)
+            exact = exact and loss is None
+            losses.append(loss or 0.0)
             if settled is None and known.covers(states):
                 settled = k - 1
             found.append(states)
@@ -238,21 +244,23 @@ def _steps(step: Forward | Backward, first: HybridSet, course: _Course, *, exact
         complete = True
     except KeyboardInterrupt:
         pass  # what was found so far is the answer
-    return Reach(tuple(found), exact, settled, complete)
+    return Reach(tuple(found), exact, settled, complete, tuple(losses[: len(found)]))
 
 
-def _tidied(states: HybridSet, course: _Course) -> tuple[HybridSet, bool]:
-    """Fewer pieces for the same states; second, whether they are the same."""
+def _tidied(states: HybridSet, course: _Course) -> tuple[HybridSet, float | None]:
+    """Fewer pieces for the same states; second, what a box in their place adds, None where there is none."""
     pieces: list[Piece] = []
-    exact = True
+    loss = None
     for word, numbers in states.by_word().items():
         group = [states.pieces[i] for i in numbers]
         if course.merge:
             group = _joined(word, group)
         if len(group) > course.most:
-            group, exact = [Piece(word, _box_around(group))], False
+            box = box_around(group)
+            loss = max(loss or 0.0, empty_share(box, group))
+            group = [Piece(word, box)]
         pieces += group
-    return HybridSet(states.x, tuple(pieces)), exact
+    return HybridSet(states.x, tuple(pieces)), loss
 
 
 def tidied(states: HybridSet) -> HybridSet:
@@ -272,9 +280,3 @@ def _joined(word: tuple[bool, ...], group: list[Piece]) -> list[Piece]:
     union = PolyhedralUnion(tuple(piece.region for piece in group)).merged()
     ours = {id(piece.region): piece for piece in group}
     return [ours.get(id(part), Piece(word, part)) for part in union.parts if not part.is_empty]
-
-
-def _box_around(group: Sequence[Piece]) -> Polyhedron:
-    box = boxes(group[0].region.n)
-    sides = [[greatest(piece.region, row) for row in box] for piece in group]
-    return Polyhedron(box, np.max(sides, axis=0))

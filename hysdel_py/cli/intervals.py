@@ -13,7 +13,7 @@ __all__ = ["add_runs", "intervals"]
 Ends = tuple[float, float]
 
 
-def add_runs(parser: argparse.ArgumentParser) -> None:
+def add_runs(parser: argparse.ArgumentParser, *, required: bool = True) -> None:
     """Add from where, under which inputs and for how long."""
     parser.add_argument(
         "--x0", metavar="NAME=LOW:HIGH", action="append", default=[],
@@ -23,7 +23,7 @@ def add_runs(parser: argparse.ArgumentParser) -> None:
         "--input", metavar="NAME=LOW:HIGH", action="append", default=[],
         help="allowed inputs; one that is not named has its whole range; may be repeated",
     )  # fmt: skip
-    parser.add_argument("--steps", type=int, required=True, metavar="N", help="number of steps")
+    parser.add_argument("--steps", type=int, required=required, metavar="N", help="number of steps")
 
 
 def intervals(texts: Sequence[str], option: str) -> dict[str, Ends]:

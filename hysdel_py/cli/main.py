@@ -38,6 +38,7 @@ COMMANDS = (
     "explain_infeasible",
     "reach",
     "safety",
+    "observe",
     "solve",
     "demo",
     "drivetrain",
@@ -69,7 +70,7 @@ examples:
 Each command has its own help: hysdel simulate --help
 A shipped model can be named without a path: clutch, two_tanks and others; hysdel check --help lists them.
 exit status: 0 fine, 1 the model or the data has a mistake or a run ended early, 2 wrong usage,
-3 a fault of this program, 4 not settled (verify, diff, explain-infeasible, reach, safety)
+3 a fault of this program, 4 not settled (verify, diff, explain-infeasible, reach, safety, observe)
 
 The command line of HYSDEL 2.0.5 is understood as well: hysdel -i model.hys -m model -5; see docs/drop-in.md
 """

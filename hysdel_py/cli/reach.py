@@ -50,8 +50,8 @@ def add_parser(commands: argparse._SubParsersAction[argparse.ArgumentParser]) ->
         help="the states themselves, or what encloses them (default exact)",
     )  # fmt: skip
     parser.add_argument(
-        "--most", type=int, default=500, metavar="P",
-        help="more pieces than this are replaced by one box around them (default 500)",
+        "--most", type=int, default=200, metavar="P",
+        help="more pieces than this are replaced by one box around them (default 200)",
     )  # fmt: skip
     parser.add_argument("--backward", action="store_true", help="the states that can get into --x0")
     parser.add_argument("--unsafe", metavar="EXPR", help="search a run into this condition as well")
@@ -118,6 +118,11 @@ def _text(model: Model, found: Reach, *, backward: bool) -> str:
     what = "steps before the target" if backward else "steps"
     lines = [f"{model.name}: {kind} after k {what}"]
     lines += ["  " + "  ".join(c.rjust(w) for c, w in zip(row, widths, strict=True)).rstrip() for row in rows]
+    lines += [
+        f"step {k}: {loss:.0%} of a box that stands for the pieces is empty"
+        for k, loss in enumerate(found.losses)
+        if loss
+    ]
     if found.settled_at is not None:
         lines.append(f"nothing new after step {found.settled_at}: the union of these sets is that of all times")
     if not found.is_complete:
@@ -138,6 +143,7 @@ def _data(found: Reach) -> dict[str, Any]:
     return {
         "states": [v.name for v in found.sets[0].x],
         "is_exact": found.is_exact,
+        "losses": list(found.losses),
         "is_complete": found.is_complete,
         "settled_at": found.settled_at,
         "sets": [[_piece(states, i) for i in range(len(states.pieces))] for states in found.sets],

@@ -1,9 +1,9 @@
-"""``hysdel safety``: can a condition be reached, must it be?"""
+"""``hysdel safety``: can a condition be reached, must it be? Also the queries that stand in a model."""
 
 from __future__ import annotations
 
 import argparse
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from pathlib import Path
 
 from hysdel_py.cli.arguments import add_model, add_output, load_model
@@ -12,6 +12,9 @@ from hysdel_py.cli.native import native_output_on_stderr
 from hysdel_py.cli.output import add_files, check_files, print_json
 from hysdel_py.cli.progress import clear_progress, progress_line
 from hysdel_py.cli.verify import NOT_SETTLED
+from hysdel_py.errors import ArgumentError
+from hysdel_py.model import Model
+from hysdel_py.reports.queries import answer_queries
 from hysdel_py.reports.safety import can_reach, must_reach
 from hysdel_py.reports.safety_answer import SafetyAnswer, SafetyVerdict
 
@@ -19,14 +22,16 @@ __all__ = ["add_parser"]
 
 _EPILOG = """\
 examples:
+  hysdel safety model_with_queries.hys
   hysdel safety two_tanks --x0 h1=0:0.2,h2=0:0.2 --steps 20 --never 'h2 >= 0.55'
   hysdel safety two_tanks --x0 h1=0:0.2,h2=0:0.2 --steps 20 --always 'level1 <= 0.6'
   hysdel safety two_tanks --x0 h1=0.5 --input q=0 --steps 60 --eventually 'h1 <= 0.1'
 
-A condition is a Boolean expression of the language over states, inputs, outputs, auxiliaries and parameters. Inputs are
-free at each step within what --input allows. A run that shows the contrary is replayed by the simulator.
+Without a statement the QUERIES of the model are answered (docs/language.md). A condition is a Boolean expression of the
+language over states, inputs, outputs, auxiliaries and parameters. Inputs are free at each step within what --input
+allows. A run that shows the contrary is replayed by the simulator.
 
-exit status: 0 the statement holds, 1 it does not, or there is no run, 4 not settled within the limits
+exit status: 0 the statements hold, 1 one does not, or there is no run, 4 not settled within the limits
 """
 
 _HOLDS = {
@@ -51,12 +56,14 @@ def add_parser(commands: argparse._SubParsersAction[argparse.ArgumentParser]) ->
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )
     add_model(parser)
-    add_runs(parser)
-    statement = parser.add_mutually_exclusive_group(required=True)
+    add_runs(parser, required=False)
+    statement = parser.add_mutually_exclusive_group()
     statement.add_argument("--never", metavar="EXPR", help="the condition holds at none of the steps")
     statement.add_argument("--always", metavar="EXPR", help="it holds at all steps")
     statement.add_argument("--eventually", metavar="EXPR", help="each run meets it at some step")
-    parser.add_argument("--seconds", type=float, default=300.0, metavar="T", help="time limit (default 300)")
+    parser.add_argument(
+        "--seconds", type=float, default=300.0, metavar="T", help="time limit of each search (default 300)"
+    )
     add_files(parser)
     add_output(parser, "the answer")
     parser.set_defaults(run=run)
@@ -66,6 +73,10 @@ def run(options: argparse.Namespace) -> int:
     """Run the command; the exit status says whether the statement holds."""
     check_files(options)
     model = load_model(options)
+    if not any((options.never, options.always, options.eventually)):
+        return _answer_queries(model, options)
+    if options.steps is None:
+        raise ArgumentError("--steps is missing: a statement is judged within so many steps")
     query, target = _query(options)
     progress = progress_line(not options.json)
     with native_output_on_stderr():
@@ -85,6 +96,35 @@ def run(options: argparse.Namespace) -> int:
     else:
         print(answer, end="")
     return _HOLDS[answer.outcome]
+
+
+def _answer_queries(model: Model, options: argparse.Namespace) -> int:
+    """The queries of the model, one after the other."""
+    wrong = [name for name in ("steps", "x0", "csv", "plot") if getattr(options, name)]
+    if wrong:
+        raise ArgumentError(f"--{wrong[0]} goes with --never, --always or --eventually: a query says it itself")
+    if not model.typed.queries:
+        raise ArgumentError(
+            f"{model.name} has no QUERIES: give --never, --always or --eventually, or write queries into the model "
+            "(docs/language.md)"
+        )
+    progress = progress_line(not options.json)
+    with native_output_on_stderr():
+        answers = answer_queries(
+            model, inputs=intervals(options.input, "--input"), seconds=options.seconds, progress=progress
+        )
+    clear_progress(progress)
+    if options.json:
+        print_json([answer.to_dict() for answer in answers])
+    else:
+        print("\n".join(map(str, answers)), end="")
+    return _worst(_HOLDS[answer.answer.outcome] for answer in answers)
+
+
+def _worst(statuses: Iterable[int]) -> int:
+    """One that does not hold counts more than one that is not settled."""
+    found = set(statuses)
+    return 1 if 1 in found else max(found)
 
 
 def _query(options: argparse.Namespace) -> tuple[Query, str]:

@@ -42,6 +42,7 @@ class Code(Enum):
     TRIPLE_NEEDS_ZERO = "HYS308"
     BAD_ARITHMETIC = "HYS309"
     NOT_SUPPORTED = "HYS310"
+    QUERY = "HYS311"
     # lowering
     NO_BOUNDS = "HYS401"
     CIRCULAR_BOUNDS = "HYS402"

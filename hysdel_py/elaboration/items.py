@@ -35,6 +35,8 @@ class ItemElaborator:
                     self._scope.iterators[name] = value
                 case ast.Loop():
                     pending.append(self._unrolled(item))
+                case ast.Query():
+                    yield from self._query(item)
                 case _:
                     yield from self._elements(item)
 
@@ -84,6 +86,26 @@ class ItemElaborator:
             for k, name in enumerate(target.elements)
             if isinstance(name, ast.Name) or self._iterator_on_the_left(item)
         ]
+
+    def _query(self, query: ast.Query) -> Iterator[ast.Query]:
+        """A query over scalars, with a number of steps that is known now."""
+        condition, steps = self._scalar(query.condition), self._expressions.block(query.steps)
+        start = None if query.start is None else self._scalar(query.start)
+        count = self._scope.integer(steps, "the number of steps of a query")
+        if condition is None or count is None or (query.start is not None and start is None):
+            return
+        number = ast.Number(float(count), str(count), query.steps.span)
+        yield replace(query, condition=condition, steps=number, start=start)
+
+    def _scalar(self, expression: ast.Expression) -> ast.Expression | None:
+        block = self._expressions.block(expression)
+        if block is not None and not block.is_scalar:
+            self._sink.error(
+                Code.SIZE_MISMATCH, f"a query needs one Boolean expression, this is {block.size}", expression.span,
+                help="name the elements, as in x(1) <= 1 & x(2) <= 1, or write the query in a FOR",
+            )  # fmt: skip
+            return None
+        return None if block is None else block.elements[0]
 
     def _fit(self, target: Block, parts: list[Block], item: ast.Equation | ast.Choice) -> bool:
         wrong = [part for part in parts if not part.is_scalar and part.shape != target.shape]

@@ -12,13 +12,14 @@ from collections.abc import Iterable
 from pathlib import Path
 from typing import Any
 
+from hysdel_py.syntax.extension import QUERY_CLAUSES, QUERY_KINDS, QUERY_WORDS
 from hysdel_py.syntax.parser import grammar_text
 from hysdel_py.syntax.tokens import KEYWORDS, SECTIONS, TYPES
 
 __all__ = ["SCOPE", "grammar_json", "tmlanguage"]
 
 SCOPE = "source.hysdel"
-_CONTROL = frozenset({"IF", "THEN", "ELSE", "FOR"})
+_CONTROL = frozenset({"IF", "THEN", "ELSE", "FOR"}) | QUERY_KINDS | QUERY_CLAUSES
 _TRUTHS = frozenset({"TRUE", "FALSE"})
 _PREDEFINED = ("pi", "MLD_epsilon", "MLD_bigMbound")
 _LATER_OPERATORS = ("==", "<", ">", ":", ".", "=")
@@ -32,7 +33,7 @@ def tmlanguage(grammar: str) -> dict[str, Any]:
     grammar : str
         Text of the grammar of the parser; keywords, functions, numbers, names and operators are read from it.
     """
-    words = KEYWORDS | set(re.findall(r'"([A-Z]+)"', grammar))
+    words = KEYWORDS | QUERY_WORDS | set(re.findall(r'"([A-Z]+)"', grammar))
     rest = words - SECTIONS - TYPES - _CONTROL - _TRUTHS
     return {
         "name": "HYSDEL",

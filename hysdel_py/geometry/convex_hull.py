@@ -33,18 +33,36 @@ def hull_rows(points: Matrix, rays: Matrix, lines: Matrix, precision: Precision)
     n = points.shape[1]
     if not n:
         return np.zeros((0, 0)), np.zeros(0)
-    directions = [ray / np.linalg.norm(ray) for ray in rays if np.any(ray)]
-    size = max(float(np.max(np.abs(points - points.mean(axis=0)))), np.finfo(float).tiny)
-    if size < np.finfo(float).eps * float(np.max(np.abs(points), initial=0.0)) or len(points) == 1:
-        size = 1.0
-    inner = points.mean(axis=0) + size * np.sum(np.array(directions).reshape(-1, n), axis=0)
-    polar = generators_of(*_polar((points - inner) / size, np.array(directions).reshape(-1, n), lines, precision))
-    equal, sides = polar.lines, polar.points * size
-    A = np.vstack([polar.points, equal, -equal])
-    b = np.concatenate([np.full(len(sides), size), np.zeros(2 * len(equal))]) + A @ inner
-    lengths = np.linalg.norm(A, axis=1)
+    middle, sizes = points.mean(axis=0), _sizes(points, precision)
+    directions = _unit(rays / sizes)
+    inner = directions.sum(axis=0)
+    polar = generators_of(*_polar((points - middle) / sizes - inner, directions, _unit(lines / sizes), precision))
+    rows = np.vstack([polar.points, polar.lines, -polar.lines])
+    sides = np.concatenate([np.ones(len(polar.points)), np.zeros(2 * len(polar.lines))]) + rows @ inner
+    lengths = np.linalg.norm(rows, axis=1)
     real = lengths > _NO_ROW * np.max(lengths, initial=0.0)  # the origin is a vertex of the polar of an unbounded set
-    return A[real] / lengths[real, None], b[real] / lengths[real]
+    A = rows[real] / sizes
+    lengths = np.linalg.norm(A, axis=1)
+    return A / lengths[:, None], (sides[real] + A @ middle) / lengths
+
+
+def _sizes(points: Matrix, precision: Precision) -> Vector:
+    """Size of the points along each coordinate; where they are flat, that of all of them, or 1 for a single point.
+
+    With one size for all coordinates a set that is thin in one of them would be taken for flat.
+    """
+    away = np.max(np.abs(points - points.mean(axis=0)), axis=0)
+    noise = np.finfo(float).eps * np.max(np.abs(points), axis=0)
+    whole = float(np.max(away))
+    if whole <= float(np.max(noise)):
+        return np.ones(points.shape[1])
+    return np.where(away > np.maximum(precision.empty, noise), away, whole)
+
+
+def _unit(rows: Matrix) -> Matrix:
+    """Rows of unit length, without those of none."""
+    lengths = np.linalg.norm(rows, axis=1)
+    return np.asarray(rows[lengths > 0] / lengths[lengths > 0, None])
 
 
 def _polar(points: Matrix, rays: Matrix, lines: Matrix, precision: Precision) -> tuple[Matrix, Vector, AffineHull]:

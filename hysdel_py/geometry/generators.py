@@ -105,8 +105,8 @@ def _pointed(G: Matrix, h: Vector) -> tuple[Matrix, Matrix]:
     facets = _polar_facets((G * scale) / h[:, None])
     far = facets.offsets <= _AT_INFINITY
     corners = (facets.normals[~far] / facets.offsets[~far, None]) * scale
-    sharp = [_sharpened(G, h, corner, rows) for corner, rows in zip(corners, facets.rows[~far], strict=True)]
-    return _distinct(np.array(sharp).reshape(-1, G.shape[1]), scale), _distinct(_unit(facets.normals[far] * scale), 1.0)
+    sharp = _sharpened(G, h, corners, facets.rows[~far])
+    return _distinct(sharp, scale), _distinct(_unit(facets.normals[far] * scale), 1.0)
 
 
 def _scale(G: Matrix, h: Vector) -> Vector:
@@ -142,8 +142,11 @@ def _polar_facets(points: Matrix) -> _Facets:
     return _Facets(hull.equations[:, :-1], -hull.equations[:, -1], hull.simplices - 1)
 
 
-def _sharpened(G: Matrix, h: Vector, corner: Vector, rows: NDArray[np.intp]) -> Vector:
-    """The vertex at which the rows of one simplex of its facet meet."""
-    active = rows[rows >= 0]
-    step = np.linalg.lstsq(G[active], h[active] - G[active] @ corner, rcond=_RANK)[0]
-    return np.asarray(corner + step)
+def _sharpened(G: Matrix, h: Vector, corners: Matrix, rows: NDArray[np.intp]) -> Matrix:
+    """The vertices at which the rows of one simplex of their facets meet; row -1 is none."""
+    if not len(corners):
+        return corners
+    real = (rows >= 0)[:, :, None]
+    active = np.where(real, G[rows], 0.0)
+    left = np.where(real[:, :, 0], h[rows] - np.einsum("kij,kj->ki", active, corners), 0.0)
+    return np.asarray(corners + np.einsum("kji,ki->kj", np.linalg.pinv(active, rcond=_RANK), left))

@@ -114,15 +114,28 @@ def maximise(
 
 def proven_bound(lp: Lp, y: Vector) -> float:
     """Upper bound of ``c'w`` over the feasible set, from any multipliers of the rows."""
+    return _greatest(_prices(lp, y), lp.lb, lp.ub)
+
+
+_Prices = tuple[Vector, Vector, float]
+
+
+def _prices(lp: Lp, y: Vector) -> _Prices:
+    """What is left of the costs of the variables, how far rounding may have moved it, and what the rows pay."""
     c, A, b = lp.c, lp.A, lp.b
     y = np.where((y > 0) & np.isfinite(b), y, 0.0)
     reduced = c - A.T @ y
     rounding = float(np.finfo(float).eps) * 2 * (len(b) + len(c) + 8)
     noise = rounding * (np.abs(c) + abs(A).T @ y)
     paid = y @ np.where(y > 0, b, 0.0)
-    most = _most(reduced, noise, lp.lb, lp.ub)
     allowance = rounding * (y @ np.where(y > 0, np.abs(b), 0.0))
-    return float(paid + most.sum() + allowance)
+    return reduced, noise, float(paid + allowance)
+
+
+def _greatest(prices: _Prices, lb: Vector, ub: Vector) -> float:
+    """The bound for variables in given intervals."""
+    reduced, noise, paid = prices
+    return float(paid + _most(reduced, noise, lb, ub).sum())
 
 
 def sharpened_bound(lp: Lp, found: LpResult) -> float:
@@ -191,18 +204,19 @@ def _with_piqp(lp: Lp, precision: Precision) -> LpResult | None:
     y = np.zeros(len(lp.b))
     y[real] = multipliers / lengths
     value = float(lp.c @ w)
-    if _gap(lp, w, y) > precision.lp * max(1.0, abs(value)):
+    prices = _prices(lp, y)
+    if _greatest(prices, *_near(lp, w)) - value > precision.lp * max(1.0, abs(value)):
         return None
     if np.any(G @ w - h > precision.lp * np.maximum(1.0, np.abs(h))):
         return None
-    return LpResult(LpStatus.OPTIMAL, w, value, proven_bound(lp, y), y)
+    return LpResult(LpStatus.OPTIMAL, w, value, _greatest(prices, lp.lb, lp.ub), y)
 
 
-def _gap(lp: Lp, w: Vector, y: Vector) -> float:
-    """Distance of the value from the bound, with a missing side of a variable taken to lie near w."""
+def _near(lp: Lp, w: Vector) -> tuple[Vector, Vector]:
+    """Ends of the variables, a missing one taken to lie near w."""
     low = np.where(np.isfinite(lp.lb), lp.lb, w - np.maximum(1.0, np.abs(w)))
     high = np.where(np.isfinite(lp.ub), lp.ub, w + np.maximum(1.0, np.abs(w)))
-    return proven_bound(Lp(lp.c, lp.A, lp.b, low, high), y) - float(lp.c @ w)
+    return low, high
 
 
 def _piqp(lp: Lp, precision: Precision) -> tuple[Vector | None, Vector | None]:

@@ -236,18 +236,18 @@ class Polyhedron:
         ArgumentError
             If the polyhedron is unbounded: then :attr:`generators` has what there is.
         """
-        if not self.is_bounded:
+        found = self.generators
+        if len(found.rays) or len(found.lines):
             raise ArgumentError("an unbounded polyhedron is more than its vertices: use generators")
-        return self.generators.points
+        return found.points
 
     @cached_property
     def volume(self) -> float:
         """Volume: 0 for a flat polyhedron, infinity for an unbounded one with inner points."""
         if self.dimension < self.n:
             return 0.0
-        if not self.is_bounded:
-            return float("inf")
-        return hull_volume(self.vertices)
+        found = self.generators
+        return float("inf") if len(found.rays) or len(found.lines) else hull_volume(found.points)
 
     def facet(self, row: int) -> Polyhedron:
         """The points at which a row holds with equality."""

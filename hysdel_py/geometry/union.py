@@ -34,6 +34,7 @@ def difference(polyhedron: Polyhedron, others: Iterable[Polyhedron]) -> tuple[Po
 
 def _remaining(polyhedron: Polyhedron, others: Sequence[Polyhedron]) -> Iterator[Polyhedron]:
     """Pieces of a difference, one after the other, so that asking for the first is cheap."""
+    others = _cutting(polyhedron, others)
     open_pieces = [(polyhedron, 0)] if _has_inner_points(polyhedron) else []
     while open_pieces:
         part, level = open_pieces.pop()
@@ -41,6 +42,31 @@ def _remaining(polyhedron: Polyhedron, others: Sequence[Polyhedron]) -> Iterator
             yield part
         else:
             open_pieces += [(piece, level + 1) for piece in _outside(part, others[level])][::-1]
+
+
+def _cutting(polyhedron: Polyhedron, others: Sequence[Polyhedron]) -> list[Polyhedron]:
+    """The others that have inner points of a bounded polyhedron, with the rows alone that cut it, few rows first.
+
+    A row that no corner passes by more than a ball of the least radius is wide cuts no piece off.
+    """
+    corners = _corners(polyhedron)
+    if corners is None:
+        return list(others)
+    width, found = 2 * polyhedron.precision.empty, []
+    for other in (one.normalised() for one in others):
+        beyond = corners @ other.A.T - other.b
+        if np.all(beyond.min(axis=0, initial=np.inf) < -width):
+            rows = beyond.max(axis=0, initial=-np.inf) > width
+            found.append(Polyhedron(other.A[rows], other.b[rows], other.precision))
+    return sorted(found, key=lambda other: other.m)
+
+
+def _corners(polyhedron: Polyhedron) -> NDArray[np.float64] | None:
+    """Vertices, None for an unbounded polyhedron and one whose scale is too bad for them."""
+    try:
+        return polyhedron.vertices
+    except ArgumentError:
+        return None
 
 
 def _overlap(first: Polyhedron, second: Polyhedron) -> bool:
@@ -51,15 +77,23 @@ def _overlap(first: Polyhedron, second: Polyhedron) -> bool:
 
 def _outside(part: Polyhedron, other: Polyhedron) -> Iterator[Polyhedron]:
     """Pieces of a polyhedron outside another one."""
-    if not _has_inner_points(part & other):
+    cutting = _cutting(part, [other])
+    if not cutting or not _share_inner_points(part, cutting[0]):
         yield part
         return
-    rest, cut = part, other.normalised()
+    rest, cut = part, cutting[0].normalised()
     for a, b in zip(cut.A, cut.b, strict=True):
         beyond = rest.with_rows(-a, -b)
         if _has_inner_points(beyond):
             yield beyond
             rest = rest.with_rows(a, b)
+
+
+def _share_inner_points(part: Polyhedron, other: Polyhedron) -> bool:
+    """Whether two polyhedra have inner points in common; the centre of the first one may tell."""
+    if float(np.min(other.slack(part.ball.centre) / other.lengths, initial=np.inf)) > part.precision.empty:
+        return _has_inner_points(part)
+    return _has_inner_points(part & other)
 
 
 def _has_inner_points(polyhedron: Polyhedron) -> bool:

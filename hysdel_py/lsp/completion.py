@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from hysdel_py.lsp.document import Document
+from hysdel_py.syntax.extension import QUERY_CLAUSES, QUERY_KINDS
 from hysdel_py.syntax.tokens import DECLARING, FUNCTION_WORDS, Token
 
 __all__ = ["Proposal", "completions"]
@@ -38,16 +39,31 @@ def completions(document: Document, offset: int) -> tuple[Proposal, ...]:
     path = document.outline.path(offset)
     place = path[-1] if path else ""
     if place in _BY_PLACE:
-        return _keywords(*_BY_PLACE[place])
+        return _keywords(*_BY_PLACE[place], *_asked_for(document, place))
     before = _before(document, offset)
     declares = place in DECLARING and (place != "OUTPUT" or "INTERFACE" in path)
     if before is not None and before.text == "{" and path and not _opens(document, before):
         return _keywords("IF")
+    if place == "QUERIES":
+        return _in_query(document, before)
     if before is None or before.text in "{};":
         return _keywords("REAL", "BOOL") if declares else _left_sides(document, place)
     if declares:
         return _in_declaration(document, before)
     return _in_expression(document, place)
+
+
+def _asked_for(document: Document, place: str) -> tuple[str, ...]:
+    """Sections of the extensions that the text states."""
+    return ("QUERIES",) if place == "IMPLEMENTATION" and "QUERIES" in document.keywords else ()
+
+
+def _in_query(document: Document, before: Token | None) -> tuple[Proposal, ...]:
+    """A query begins with its kind; what it reads may be anything with a name."""
+    if before is None or before.text in "{};":
+        return _keywords(*sorted(QUERY_KINDS), "FOR")
+    names = _names(document, "STATE", "INPUT", "OUTPUT", "AUX", "PARAMETER")
+    return (*names, *_functions(), *_keywords(*sorted(QUERY_CLAUSES), "REAL", *_CONSTANT))
 
 
 def _before(document: Document, offset: int) -> Token | None:

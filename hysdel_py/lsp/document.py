@@ -20,6 +20,7 @@ from hysdel_py.semantics.declarations import declare
 from hysdel_py.semantics.parameters import missing_parameters
 from hysdel_py.semantics.symbols import Symbol
 from hysdel_py.semantics.typed_model import TypedModel
+from hysdel_py.syntax.keywords import keywords_of
 from hysdel_py.syntax.parser import parse
 from hysdel_py.syntax.source import Source
 from hysdel_py.syntax.tokens import Token, TokenKind, tokenize
@@ -69,9 +70,14 @@ class Document:
         return Positions(self.text)
 
     @cached_property
+    def keywords(self) -> frozenset[str]:
+        """Words that cannot be names here."""
+        return keywords_of(self.text)
+
+    @cached_property
     def tokens(self) -> tuple[Token, ...]:
         """Tokens without comments."""
-        return tuple(token for token in tokenize(self.text) if not token.is_comment)
+        return tuple(token for token in tokenize(self.text, self.keywords) if not token.is_comment)
 
     @cached_property
     def outline(self) -> Outline:

@@ -7,7 +7,7 @@ import re
 from hysdel_py.errors import ArgumentError
 from hysdel_py.lsp.document import Document
 from hysdel_py.syntax.source import Span
-from hysdel_py.syntax.tokens import FUNCTION_WORDS, KEYWORDS, TokenKind
+from hysdel_py.syntax.tokens import FUNCTION_WORDS, TokenKind
 
 __all__ = ["definition", "references", "rename"]
 
@@ -61,7 +61,7 @@ def rename(document: Document, offset: int, name: str) -> tuple[Span, ...]:
         raise ArgumentError(f"{token.text} is not declared in this file and cannot be renamed")
     if not _NAME.fullmatch(name):
         raise ArgumentError(f"{name!r} is not a name: a letter, then letters, digits and underscores were expected")
-    if name in KEYWORDS | FUNCTION_WORDS:
+    if name in document.keywords | FUNCTION_WORDS:
         raise ArgumentError(f"{name} is a word of the language and cannot be a name")
     if name != token.text and (name in _PREDEFINED or _uses(document, name)):
         raise ArgumentError(f"{name} is already in use in this file")

@@ -6,11 +6,12 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from hysdel_py.syntax.source import Span
-from hysdel_py.syntax.tokens import DECLARING, KEYWORDS, TYPES, Token, TokenKind
+from hysdel_py.syntax.tokens import DECLARING, TYPES, Token, TokenKind
 
 __all__ = ["Declared", "Outline", "Section", "outline_of"]
 
 _DECLARING_WORDS = TYPES | {"INDEX"}
+_CONTROL = ("IF", "THEN", "ELSE")
 
 
 @dataclass(frozen=True, slots=True)
@@ -64,7 +65,7 @@ def outline_of(tokens: Sequence[Token], length: int) -> Outline:
     word: Token | None = None  # last keyword since the last brace or semicolon
     for index, token in enumerate(tokens):
         if token.kind is TokenKind.OPEN:
-            is_section = token.text == "{" and word is not None and word.text in KEYWORDS - {"IF", "THEN", "ELSE"}
+            is_section = token.text == "{" and word is not None and word.text not in _CONTROL
             start = word.start if word is not None else token.start
             stack.append(_Open(word.text if word and is_section else token.text, start, token.end, is_section))
         elif token.kind is TokenKind.CLOSE and stack:

@@ -10,10 +10,15 @@ from hysdel_py.analysis.hybrid_set import HybridSet, Span, hybrid_set
 from hysdel_py.analysis.monitor import RESULT, Monitor, Signal, monitor_of_intervals, monitor_of_set, signals_of
 from hysdel_py.errors import ArgumentError, CompileError
 from hysdel_py.model import Model, load
+from hysdel_py.semantics.expressions import Expression, leaves
+from hysdel_py.semantics.infix import infix
+from hysdel_py.semantics.symbols import Role, Symbol
+from hysdel_py.semantics.typed_model import Equation, Item
+from hysdel_py.syntax.ast import SectionKind
 from hysdel_py.systems.dha import Dha
 from hysdel_py.systems.signals import Type, Variable
 
-__all__ = ["condition_of"]
+__all__ = ["condition_of", "condition_of_expression"]
 
 _NAME = re.compile(r"[A-Za-z_]\w*(?:\.[A-Za-z_]\w*)*(?:\s*\(\s*\d+(?:\s*,\s*\d+)?\s*\))?")
 _WORDS = frozenset({"TRUE", "FALSE", "true", "false", "REAL", "BOOL", "IF", "THEN", "ELSE"})
@@ -46,6 +51,24 @@ def condition_of(given: object, model: Model, what: str) -> Monitor:
     if isinstance(given, Mapping):
         return monitor_of_intervals(given, model.dha, what)
     return monitor_of_set(hybrid_set(given, model.dha.x, what), what)  # type: ignore[arg-type]
+
+
+def condition_of_expression(expression: Expression, model: Model) -> Monitor:
+    """A Boolean expression of a typed model as a condition.
+
+    Raises
+    ------
+    CompileError
+        A parameter without a value, faulty arithmetic; at its place in the source.
+    """
+    known = signals_of(model.dha)
+    read = {leaf.name: known[leaf.name] for leaf in leaves(expression) if not leaf.is_parameter}
+    result = Symbol(RESULT, Type.BOOL, Role.AUX, expression.span, 1)
+    inputs = tuple(Symbol(name, s.variable.type, Role.INPUT, expression.span, 1) for name, s in read.items())
+    line = model.typed.source.line_of(expression.span)
+    item = Item(SectionKind.LOGIC, 1, result, Equation(expression), expression.span, line, infix(expression))
+    small = replace(model.typed, symbols=(*model.typed.parameters, result, *inputs), items=(item,), queries=())
+    return Monitor(infix(expression), read, Model(small, model.parameters, ()).dha)
 
 
 def _compiled(text: str, model: Model, what: str) -> Monitor:

@@ -25,7 +25,7 @@ if TYPE_CHECKING:
     Condition = str | Mapping[str, Span] | Polyhedron | HybridSet
     Start = ArrayLike | Condition
 
-__all__ = ["can_reach", "must_reach"]
+__all__ = ["avoidance", "can_reach", "check_model", "meeting", "must_reach"]
 
 
 def can_reach(
@@ -85,7 +85,11 @@ def can_reach(
     >>> can_reach(model, {"level": 0.1}, "level >= 0.45", 20).verdict
     'unreachable'
     """
-    searcher = _searcher(model, x0, target, steps, inputs=inputs, seconds=seconds)
+    return meeting(model, _searcher(model, x0, target, steps, inputs=inputs, seconds=seconds), progress)
+
+
+def meeting(model: Model, searcher: Searcher, progress: Progress | None = None) -> SafetyAnswer:
+    """The answer of :func:`can_reach` to the question of a searcher."""
     found = earliest_meeting(searcher, progress)
     if found.verdict is Verdict.NONE:
         return _unreachable(model, searcher, found)
@@ -131,7 +135,11 @@ def must_reach(
     >>> must_reach(model, {"level": 0}, "level >= 0.25", 8).verdict
     'avoidable'
     """
-    searcher = _searcher(model, x0, target, steps, inputs=inputs, seconds=seconds)
+    return avoidance(model, _searcher(model, x0, target, steps, inputs=inputs, seconds=seconds), progress)
+
+
+def avoidance(model: Model, searcher: Searcher, progress: Progress | None = None) -> SafetyAnswer:
+    """The answer of :func:`must_reach` to the question of a searcher."""
     found, length = longest_avoidance(searcher, progress)
     if found.verdict is Verdict.NONE:
         return _inevitable(model, searcher, length)
@@ -176,6 +184,15 @@ def _answer(model: Model, searcher: Searcher, verdict: SafetyVerdict, found: Fou
 def _searcher(
     model: Model, x0: Start, target: Condition, steps: int, *, inputs: Mapping[str, Span] | None, seconds: float
 ) -> Searcher:
+    check_model(model, seconds)
+    box, start = _start(model, x0)
+    wanted = condition_of(target, model, "target")
+    question = Question(model.dha, box, start, inputs or {}, wanted, _counted(steps, wanted), model.sample_time)
+    return Searcher(question, Clock(seconds))
+
+
+def check_model(model: Model, seconds: float) -> None:
+    """Refuse what is no model, one without a step, and a time limit that is none."""
     if not isinstance(model, Model):
         raise ArgumentError(f"a {type(model).__name__} was given: a Model was expected, as load() returns it")
     if model.dha.undefined_but_used:
@@ -183,10 +200,6 @@ def _searcher(
         raise SimulationError((f"the auxiliary variable {names} is used but never defined: the model has no step",))
     if not seconds > 0:
         raise ArgumentError(f"seconds is {seconds!r}: a positive number was expected")
-    box, start = _start(model, x0)
-    wanted = condition_of(target, model, "target")
-    question = Question(model.dha, box, start, inputs or {}, wanted, _counted(steps, wanted), model.sample_time)
-    return Searcher(question, Clock(seconds))
 
 
 def _counted(steps: int, target: Monitor) -> int:

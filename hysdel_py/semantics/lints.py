@@ -23,6 +23,7 @@ _ONLY_IN_THE_WHOLE = (f".{EPSILON}", f".{BIG_M_BOUND}")
 def note_unused_parameters(model: TypedModel, sink: Sink) -> None:
     """Say which declared parameters nothing reads; libraries of parameters are common, so it is only a note."""
     used = {leaf.name for item in model.items for leaf in read_by(item)}
+    used |= {leaf.name for query in model.queries for part in query.expressions() for leaf in leaves(part)}
     for symbol in model.symbols:
         for expression in (*(symbol.bounds or ()), *((symbol.value,) if symbol.value else ())):
             used |= {leaf.name for leaf in leaves(expression)}

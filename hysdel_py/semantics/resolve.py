@@ -10,8 +10,9 @@ from hysdel_py.diagnostics.codes import Code
 from hysdel_py.diagnostics.diagnostic import Label
 from hysdel_py.diagnostics.sink import Sink
 from hysdel_py.semantics.declarations import declare
-from hysdel_py.semantics.expressions import Apply, Expression, is_constant
+from hysdel_py.semantics.expressions import Apply, Expression, is_constant, leaves
 from hysdel_py.semantics.older_notes import note_what_the_original_refuses
+from hysdel_py.semantics.queries import resolve_queries
 from hysdel_py.semantics.symbols import Role, Symbol
 from hysdel_py.semantics.typed_model import (
     Body,
@@ -51,7 +52,8 @@ def resolve(system: ast.System, source: Source, sink: Sink) -> TypedModel:
     symbols = declare(system, source, sink)
     resolver = _ItemResolver(symbols, source, sink)
     items = [r for section in system.sections for item in section.items for r in resolver.items(section.kind, item)]
-    model = TypedModel(system.name, source, tuple(symbols.values()), tuple(items))
+    queries = resolve_queries(system, symbols, source, sink)
+    model = TypedModel(system.name, source, tuple(symbols.values()), tuple(items), queries)
     _check_defined_once(model, sink)
     if not sink.failed:
         _warn_unused_and_undefined(model, sink)
@@ -70,6 +72,8 @@ class _ItemResolver:
         self._number = 0
 
     def items(self, section: SectionKind, item: ast.Item) -> list[Item]:
+        if isinstance(item, ast.Query):
+            return []  # they have no number among the items
         if isinstance(item, ast.Requirement):
             return [self._item(section, None, body, item) for body in self._requirements(item.value)]
         assert not isinstance(item, ast.Loop)  # elaboration leaves scalars
@@ -239,6 +243,7 @@ def _check_defined_once(model: TypedModel, sink: Sink) -> None:
 
 def _warn_unused_and_undefined(model: TypedModel, sink: Sink) -> None:
     used = {symbol.name for item in model.items for symbol in item.depends()}
+    used |= {leaf.name for query in model.queries for part in query.expressions() for leaf in leaves(part)}
     defined = {item.target.name for item in model.items if item.target}
     for symbol in model.symbols:
         if symbol.role in (Role.STATE, Role.OUTPUT, Role.AUX) and symbol.name not in defined:

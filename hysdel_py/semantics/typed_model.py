@@ -7,11 +7,11 @@ from dataclasses import dataclass
 
 from hysdel_py.semantics.expressions import Expression, leaves
 from hysdel_py.semantics.symbols import Role, Symbol
-from hysdel_py.syntax.ast import SectionKind
+from hysdel_py.syntax.ast import QueryKind, SectionKind
 from hysdel_py.syntax.source import Source, Span
 from hysdel_py.systems.signals import Type
 
-__all__ = ["Branch", "Choice", "Equation", "Item", "Requirement", "Threshold", "Triple", "TypedModel"]
+__all__ = ["Branch", "Choice", "Equation", "Item", "Query", "Requirement", "Threshold", "Triple", "TypedModel"]
 
 
 @dataclass(frozen=True, slots=True)
@@ -117,6 +117,39 @@ class Item:
 
 
 @dataclass(frozen=True, slots=True)
+class Query:
+    """What a model is asked: does a condition never, always or eventually hold on its runs?
+
+    Attributes
+    ----------
+    kind : QueryKind
+    condition : Expression
+        Boolean, over states, inputs, outputs, auxiliaries and parameters.
+    steps : int
+    start : Expression or None
+        Boolean, over states and parameters; None for all states within their ranges.
+    span : Span
+    line : int
+    text : str
+        The query over scalars, in the language.
+    """
+
+    kind: QueryKind
+    condition: Expression
+    steps: int
+    start: Expression | None
+    span: Span
+    line: int
+    text: str
+
+    def expressions(self) -> Iterator[Expression]:
+        """The condition, and where runs start."""
+        yield self.condition
+        if self.start is not None:
+            yield self.start
+
+
+@dataclass(frozen=True, slots=True)
 class TypedModel:
     """A whole model, free of type errors; parameters are still names.
 
@@ -128,12 +161,15 @@ class TypedModel:
         In the order of declaration, predefined parameters first.
     items : tuple of Item
         In file order.
+    queries : tuple of Query
+        In file order; they change nothing in the forms.
     """
 
     name: str
     source: Source
     symbols: tuple[Symbol, ...]
     items: tuple[Item, ...]
+    queries: tuple[Query, ...] = ()
 
     def select(self, role: Role, type: Type | None = None) -> tuple[Symbol, ...]:
         """Symbols of a role, in the order of declaration."""

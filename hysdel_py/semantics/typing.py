@@ -23,9 +23,10 @@ _WORD = {Type.REAL: "a real expression", Type.BOOL: "a Boolean expression"}
 class ExpressionTyper:
     """Types expressions against a table of symbols; mistakes go to the sink and give None."""
 
-    def __init__(self, symbols: Mapping[str, Symbol], sink: Sink) -> None:
+    def __init__(self, symbols: Mapping[str, Symbol], sink: Sink, *, outputs: bool = False) -> None:
         self._symbols = symbols
         self._sink = sink
+        self._outputs = outputs  # whether outputs may be read
 
     def typed(
         self, expression: ast.Expression, expected: Type | None, *, comparison: bool = False
@@ -85,7 +86,7 @@ class ExpressionTyper:
                 Code.UNDECLARED, f"{name} is not declared", span, help=_similar(name, tuple(self._symbols))
             )
             return None
-        if symbol.role is Role.OUTPUT:
+        if symbol.role is Role.OUTPUT and not self._outputs:
             self._sink.error(
                 Code.OUTPUT_USED,
                 f"the output {name} cannot be used in an expression",

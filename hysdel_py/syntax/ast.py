@@ -15,8 +15,8 @@ from hysdel_py.syntax.source import Span
 
 __all__ = [
     "All", "Apply", "Choice", "Conditional", "Declaration", "DeclarationSection", "Equation", "Expression", "Group",
-    "Indexed", "Interval", "Item", "ItemSection", "Loop", "Matrix", "Module", "Name", "Number", "Range", "Requirement",
-    "SectionKind", "System", "Triple", "Truth", "children",
+    "Indexed", "Interval", "Item", "ItemSection", "Loop", "Matrix", "Module", "Name", "Number", "Query", "QueryKind",
+    "Range", "Requirement", "SectionKind", "System", "Triple", "Truth", "children",
 ]  # fmt: skip
 
 
@@ -35,6 +35,15 @@ class SectionKind(Enum):
     CONTINUOUS = "CONTINUOUS"
     AUTOMATA = "AUTOMATA"
     MUST = "MUST"
+    QUERIES = "QUERIES"
+
+
+class QueryKind(Enum):
+    """What a query says about its condition, by its keyword."""
+
+    NEVER = "NEVER"
+    ALWAYS = "ALWAYS"
+    EVENTUALLY = "EVENTUALLY"
 
 
 @dataclass(frozen=True, slots=True)
@@ -231,6 +240,17 @@ class Requirement:
 
 
 @dataclass(frozen=True, slots=True)
+class Query:
+    """An item of QUERIES: ``NEVER condition WITHIN steps FROM start``."""
+
+    kind: QueryKind
+    condition: Expression
+    steps: Expression
+    start: Expression | None
+    span: Span = field(compare=False)
+
+
+@dataclass(frozen=True, slots=True)
 class Loop:
     """``FOR (iterator = low:step:high) { items }``; the step may be missing."""
 
@@ -242,7 +262,7 @@ class Loop:
     span: Span = field(compare=False)
 
 
-Item = Equation | Choice | Requirement | Loop
+Item = Equation | Choice | Requirement | Query | Loop
 
 
 @dataclass(frozen=True, slots=True)

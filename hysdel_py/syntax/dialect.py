@@ -13,6 +13,7 @@ from enum import Enum
 from hysdel_py.diagnostics.codes import Code
 from hysdel_py.diagnostics.diagnostic import Label
 from hysdel_py.diagnostics.sink import Sink
+from hysdel_py.syntax.front import is_in_front, statements
 from hysdel_py.syntax.source import Source, Span
 
 __all__ = ["Dialect", "grammar_of", "stated_dialect"]
@@ -25,7 +26,6 @@ class Dialect(Enum):
     HYSDEL_3 = "hysdel 3"
 
 
-_STATED = re.compile(r"(?:/\*|//)[\s*/]*dialect\s*:(.*?)[\s*]*(?:\*/)?", re.DOTALL | re.IGNORECASE)
 _MEANT = re.compile(r"\bdialect\b.*\bhysdel\s*-?3", re.DOTALL | re.IGNORECASE)
 _KNOWN = {dialect.value: dialect for dialect in Dialect}
 _ARROWS = "(IMPLIES | IMPLIED_BY | IFF)"
@@ -55,9 +55,9 @@ def grammar_of(dialect: Dialect, grammar: str) -> str:
 def stated_dialect(source: Source, sink: Sink) -> Dialect:
     """The dialect that the comments in front of a text state, HYSDEL 2 if they state none."""
     first: tuple[Dialect, Span] | None = None
-    for span, value in _statements(source):
-        dialect = _KNOWN.get(value)
-        if not _is_in_front(source, span):
+    for stated in statements(source, "dialect"):
+        span, value, dialect = stated.span, stated.value, _KNOWN.get(stated.value)
+        if not stated.in_front:
             _refuse_late(dialect, span, sink)
         elif dialect is None:
             known = " and ".join(_KNOWN)
@@ -78,29 +78,11 @@ def stated_dialect(source: Source, sink: Sink) -> Dialect:
 def _warn_of_near_misses(source: Source, sink: Sink) -> None:
     """Comments in front of a text that speak of the dialect of HYSDEL 3 without stating it."""
     for span in source.comments:
-        if _is_in_front(source, span) and _MEANT.search(source.text[span.start : span.end]):
+        if is_in_front(source, span) and _MEANT.search(source.text[span.start : span.end]):
             sink.warning(
                 Code.DIALECT, "this comment does not state a dialect, and the file is read as hysdel 2", span,
                 help="write /* dialect: hysdel 3 */ as a comment of its own",
             )  # fmt: skip
-
-
-def _statements(source: Source) -> list[tuple[Span, str]]:
-    """Comments that state a dialect and what they say, small and without surplus blanks."""
-    matches = ((span, _STATED.fullmatch(source.text[span.start : span.end])) for span in source.comments)
-    return [(span, " ".join(match[1].lower().split())) for span, match in matches if match]
-
-
-def _is_in_front(source: Source, span: Span) -> bool:
-    """Whether nothing but comments stands before a place."""
-    position = 0
-    for comment in source.comments:
-        if source.text[position : comment.start].strip():
-            return False
-        if comment == span:
-            return True
-        position = comment.end
-    return False
 
 
 def _refuse_late(dialect: Dialect | None, span: Span, sink: Sink) -> None:

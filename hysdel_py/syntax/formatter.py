@@ -13,6 +13,7 @@ from itertools import groupby
 
 from hysdel_py.diagnostics.sink import Sink
 from hysdel_py.syntax.dialect import Dialect, stated_dialect
+from hysdel_py.syntax.keywords import keywords_of
 from hysdel_py.syntax.source import Source
 from hysdel_py.syntax.spacing import is_choice_brace, stands_alone
 from hysdel_py.syntax.tokens import Token, TokenKind, tokenize
@@ -71,7 +72,7 @@ def format_text(text: str) -> str:
     <BLANKLINE>
     """
     layout = _Layout(stated_dialect(Source("", text), Sink()))
-    tokens = tokenize(text)
+    tokens = tokenize(text, keywords_of(text))
     for index, token in enumerate(tokens):
         layout.add(token, _next_code(tokens, index))
     return "".join(f"{line}\n" for line in _rendered(layout.finished(), text))

@@ -171,6 +171,8 @@ class SyntaxReporter:
         token = self._tokens[position]
         if "NAME" in expected and (is_keyword(token) or token.type == "FUNCTION"):
             return f"{token} is a word of the language and cannot be a name here"
+        if token == "QUERIES":
+            return "queries are an extension: write /* extension: queries */ in front of SYSTEM"
         if token == "+" and "NUMBER" in expected:
             return "there is no unary plus"
         if token == "=":

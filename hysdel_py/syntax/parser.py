@@ -12,6 +12,7 @@ from hysdel_py.diagnostics.codes import Code
 from hysdel_py.diagnostics.sink import Sink
 from hysdel_py.syntax import ast
 from hysdel_py.syntax.dialect import Dialect, grammar_of, stated_dialect
+from hysdel_py.syntax.extension import Extension, extended, stated_extensions
 from hysdel_py.syntax.source import Source, Span
 
 if TYPE_CHECKING:
@@ -31,13 +32,13 @@ def grammar_text() -> str:
 
 
 @cache
-def _lark(dialect: Dialect) -> Lark:
+def _lark(dialect: Dialect, extensions: frozenset[Extension]) -> Lark:
     from lark import Lark
 
     from hysdel_py.syntax.tree_to_ast import TreeToAst
 
     return Lark(
-        grammar_of(dialect, grammar_text()),
+        extended(grammar_of(dialect, grammar_text()), extensions),
         start="file",
         parser="lalr",
         lexer="basic",
@@ -66,8 +67,8 @@ def parse_what_is_sound(source: Source, sink: Sink) -> Recovered:
     from hysdel_py.syntax.recovery import Recovered, parse_tokens
 
     before = sink.error_count
-    dialect = stated_dialect(source, sink)
-    recovered = parse_tokens(_lark(dialect), source, sink)
+    dialect, extensions = stated_dialect(source, sink), stated_extensions(source, sink)
+    recovered = parse_tokens(_lark(dialect, extensions), source, sink)
     if recovered.system is not None:
         return replace(recovered, system=replace(recovered.system, dialect=dialect))
     if sink.error_count == before:

@@ -10,6 +10,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 from hysdel_py.syntax.dialect import Dialect
+from hysdel_py.syntax.extension import QUERY_CLAUSES, QUERY_KINDS
 from hysdel_py.syntax.tokens import Token, TokenKind
 
 __all__ = ["LAST_RESORT", "Atom", "atoms_of", "ends_line", "is_choice_brace", "stands_alone"]
@@ -145,8 +146,13 @@ def _ranks(tokens: Sequence[Token], dialect: Dialect) -> tuple[Mapping[str, int]
     """Ranks of operators outside and inside of brackets."""
     if dialect is Dialect.HYSDEL_2:
         return _RANK, _RANK
-    defines = any(token.text == "=" for token in tokens)  # what defines nothing stands in MUST
-    return (_RANK_OF_3 if defines else _RANK_OF_MUST_OF_3), _RANK_OF_3
+    return (_RANK_OF_MUST_OF_3 if _stands_in_must(tokens) else _RANK_OF_3), _RANK_OF_3
+
+
+def _stands_in_must(tokens: Sequence[Token]) -> bool:
+    """Whether an item defines nothing and is no query."""
+    asks = tokens[0].kind is TokenKind.KEYWORD and tokens[0].text in QUERY_KINDS
+    return not asks and all(token.text != "=" for token in tokens)
 
 
 def _break_level(
@@ -157,7 +163,7 @@ def _break_level(
     base = depth * _LEVELS_PER_DEPTH
     if code.kind is TokenKind.SEPARATOR:
         return base + (code.text == ",")
-    if token.text in _CLAUSES:
+    if token.text in _CLAUSES or (token.kind is TokenKind.KEYWORD and token.text in QUERY_CLAUSES):
         return base
     if code.text == "=" and token.kind is not TokenKind.OPEN:
         return LAST_RESORT

@@ -63,6 +63,8 @@ def _of_item(item: ast.Item) -> tuple[ast.Expression, ...]:
             return (low, high) if step is None else (low, step, high)
         case ast.Requirement(value=value):
             return (value,)
+        case ast.Query(condition=condition, steps=steps, start=start):
+            return (condition, steps) if start is None else (condition, steps, start)
         case ast.Equation(value=value, triple=triple):
             return (value, *_of_triple(triple))
         case ast.Choice():

@@ -98,8 +98,8 @@ class Token:
         return self.kind in _COMMENTS
 
 
-def tokenize(text: str) -> list[Token]:
-    """All tokens of a text in order, comments included."""
+def tokenize(text: str, keywords: frozenset[str] = KEYWORDS) -> list[Token]:
+    """All tokens of a text in order, comments included; `keywords` are those of a file with its extensions."""
     tokens: list[Token] = []
     newlines = 0
     for match in _PATTERN.finditer(text):
@@ -107,7 +107,7 @@ def tokenize(text: str) -> list[Token]:
         if group == "space":
             newlines = _line_ends(match[0])
             continue
-        kind = TokenKind.KEYWORD if match[0] in KEYWORDS else _KIND[group or "other"]
+        kind = TokenKind.KEYWORD if match[0] in keywords else _KIND[group or "other"]
         tokens.append(Token(kind, match[0], match.start(), newlines))
         newlines = 0
     return tokens

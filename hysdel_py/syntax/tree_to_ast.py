@@ -144,6 +144,10 @@ class TreeToAst(Transformer[Token, Any]):
     def requirement(self, parts: list[Any]) -> ast.Requirement:
         return ast.Requirement(parts[0], _around(parts))
 
+    def query(self, parts: list[Any]) -> ast.Query:
+        condition, steps, *start = _nodes(parts)
+        return ast.Query(ast.QueryKind(str(parts[0])), condition, steps, start[0] if start else None, _around(parts))
+
     def loop(self, parts: list[Any]) -> ast.Loop:
         closing = next(k for k, part in enumerate(parts) if isinstance(part, Token) and part.type == "RPAR")
         low, *step, high = _nodes(parts[:closing])

@@ -94,3 +94,31 @@ def test_wrong_arguments(switched):
         hys.invariant_set(switched, {"q": 1})
     with pytest.raises(ArgumentError, match="Model or Pwa"):
         hys.invariant_set(switched.mld)
+
+
+def test_output_limits_are_those_of_states_behind_them():
+    text = SWITCHED.replace("INPUT { REAL u [-1, 1]; }", "INPUT { REAL u [-1, 1]; } OUTPUT { REAL y; }")
+    model = hys.load(text.replace("v = v + gain + u; }", "v = v + gain + u; } OUTPUT { y = p + 0.1; }"))
+    found = hys.feasible_states(model, 3, outputs={"y": (-0.9, 1.1)})
+    # The limit holds for the first state too, and not for the last one.
+    longer, shorter = (hys.feasible_states(model, steps, within={"p": (-1, 1)}) for steps in (3, 2))
+    draw = np.random.default_rng(4)
+    for x in draw.uniform(-1.5, 1.5, (300, 2)):
+        if found.contains(x):
+            assert abs(x[0]) <= 1 + 1e-9
+            assert shorter.contains(x, 1e-9)
+        elif abs(x[0]) <= 1:
+            assert not longer.contains(x)
+
+
+def test_output_limits_with_booleans():
+    text = """SYSTEM s { INTERFACE { STATE { REAL p [-4, 4]; BOOL b; } OUTPUT { REAL y; } } IMPLEMENTATION {
+      AUX { REAL z; } DA { z = {IF b THEN p ELSE -p}; } CONTINUOUS { p = z; } AUTOMATA { b = b; }
+      OUTPUT { y = p + 2*(REAL b); } } }"""
+    found = hys.feasible_states(hys.load(text), 1, outputs={"y": (0, 3)})
+    assert found.contains([1.0, 1])
+    assert not found.contains([1.5, 1])
+    assert found.contains([1.5, 0])
+    assert not found.contains([-0.5, 0])
+    with pytest.raises(ArgumentError, match="there is no w"):
+        hys.feasible_states(hys.load(text), 1, outputs={"w": (0, 3)})

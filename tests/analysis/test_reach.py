@@ -7,6 +7,7 @@ from scipy.linalg import expm
 import hysdel_py as hys
 from hysdel_py.analysis.hybrid_set import Piece, hybrid_set
 from hysdel_py.analysis.reach import reach, reach_backward
+from hysdel_py.analysis.replacement import box_around, empty_share
 from hysdel_py.errors import ArgumentError, SimulationError
 from hysdel_py.geometry.polyhedron import Polyhedron
 from hysdel_py.geometry.relations import are_equal
@@ -127,6 +128,16 @@ def test_too_many_pieces_become_one_enclosure(relay):
     assert not few.is_exact
     assert all(len(states.pieces) <= 4 for states in few.sets[1:])
     assert few.sets[6].covers(whole.sets[6])
+    assert not any(whole.losses)
+    assert len(few.losses) == 7
+
+
+def test_loss_of_a_box_is_its_empty_share():
+    corners = [Piece((), Polyhedron.box([x, x], [x + 1, x + 1])) for x in (0.0, 3.0)]
+    box = box_around(corners)
+    assert np.allclose(box.bounding_box, [[0, 0], [4, 4]], atol=1e-6)
+    assert empty_share(box, corners) == pytest.approx(1 - 2 / 16, abs=0.01)
+    assert empty_share(box, [Piece((), box)]) == 0.0
 
 
 def test_interrupt_gives_the_sets_so_far(relay):

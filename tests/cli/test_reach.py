@@ -84,3 +84,38 @@ def test_not_settled(hysdel):
 )
 def test_wrong_usage(hysdel, arguments):
     assert hysdel(*arguments).status == 2
+
+
+QUERIES = "QUERIES { NEVER level >= 5 WITHIN 3 FROM level <= 1; EVENTUALLY level >= 3 WITHIN 3; } } }"
+
+
+def test_queries_of_a_model(hysdel, tmp_path):
+    text = (tmp_path / "tank.hys").read_text().rstrip().removesuffix("}").rstrip().removesuffix("}")
+    (tmp_path / "asked.hys").write_text("/* extension: queries */\n" + text + QUERIES)
+    found = hysdel("safety", "asked.hys")
+    assert found.status == 1
+    assert "holds: NEVER level >= 5 WITHIN 3 FROM level <= 1" in found.out
+    assert "violated: EVENTUALLY level >= 3 WITHIN 3" in found.out
+    data = hysdel("safety", "asked.hys", "--json").json
+    assert [entry["verdict"] for entry in data] == ["holds", "violated"]
+    refused = hysdel("safety", "asked.hys", "--steps", 3)
+    assert refused.status == 2
+    assert "a query says it itself" in refused.err
+
+
+def test_safety_without_a_question(hysdel):
+    found = hysdel("safety", "tank.hys")
+    assert found.status == 2
+    assert "has no QUERIES" in found.err
+    assert "--steps is missing" in hysdel("safety", "tank.hys", "--never", "level >= 1").err
+
+
+def test_observe(hysdel):
+    found = hysdel("observe", "tank.hys", "--steps", 2)
+    assert found.status == 1
+    assert "indistinguishable" in found.out  # nobody sees whether the valve was open
+    assert hysdel("observe", "tank.hys", "--steps", 2, "--of", "level").status == 0
+    assert (
+        hysdel("observe", "tank.hys", "--steps", 2, "--of", "was_open", "--json").json["verdict"] == "indistinguishable"
+    )
+    assert "names of states" in hysdel("observe", "tank.hys", "--steps", 2, "--of", "flow").err

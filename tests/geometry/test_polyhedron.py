@@ -1,5 +1,7 @@
 """Polyhedra against HiGHS, vertices of boxes and cross-polytopes, and points."""
 
+import itertools
+
 import numpy as np
 import pytest
 from hypothesis import given, settings
@@ -96,3 +98,13 @@ def test_bound_holds_for_any_multipliers(y):
 def test_wrong_shapes_are_named():
     with pytest.raises(ArgumentError, match=r"A has shape \(1, 2\) and b \(2,\)"):
         Polyhedron([[1.0, 0.0]], [1.0, 2.0])
+
+
+@pytest.mark.parametrize("sizes", [(1e-5, 1.0, 1e6), (1e-3, 1e5), (1e-6, 1.0)])
+def test_hull_of_points_of_very_different_sizes(sizes):
+    corners = np.array(list(itertools.product(*[(0.0, size) for size in sizes])))
+    found = Polyhedron.hull(corners)
+    assert found.m == 2 * len(sizes)
+    low, high = found.bounding_box
+    assert np.allclose(low / sizes, 0.0, atol=1e-6)
+    assert np.allclose(high / sizes, 1.0, atol=1e-6)
