@@ -18,7 +18,9 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
-from hysdel_py.drivetrain.kernels.box import DEPENDENT, solve_box
+from hysdel_py.drivetrain.kernels.banded import DEPENDENT
+from hysdel_py.drivetrain.kernels.box import solve_box
+from hysdel_py.drivetrain.structure import delassus_of_matrix
 from hysdel_py.optimize.lcp.problem import LcpResult
 from hysdel_py.optimize.lcp.solve import LcpMethod, solve_boxed_lcp, solve_lcp
 
@@ -84,7 +86,7 @@ class ContactSolver:
                 return found
             self.failures += 1
         P = np.clip(np.zeros(len(c)), lo, hi)
-        spent = solve_box(G, c, lo, hi, P)
+        spent = solve_box(delassus_of_matrix(G), c, lo, hi, P)
         self.iterations += max(spent, 0)
         return P
 

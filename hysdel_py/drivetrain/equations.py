@@ -18,8 +18,10 @@ from numpy.typing import ArrayLike, NDArray
 
 from hysdel_py.drivetrain.checks import check_columns, check_directions, check_mass
 from hysdel_py.drivetrain.kernels.arrays import Inputs, Plant
+from hysdel_py.drivetrain.kernels.rows import rows_of
 from hysdel_py.drivetrain.laws import Coulomb, FrictionLaw, as_law
 from hysdel_py.drivetrain.signals import Function, PiecewiseLinear, Signal, SignalLike, as_signal, sample
+from hysdel_py.drivetrain.structure import delassus_of
 from hysdel_py.errors import ArgumentError
 
 __all__ = ["Equations", "Gains", "Maps", "Names", "equations_from_matrices", "no_maps"]
@@ -154,7 +156,9 @@ class Equations:
         constant = [
             np.array(a, dtype=float, order="C") for a in arrays
         ]  # copies: kernels are compiled for writable ones
-        return Plant(*constant, np.array(self.maps.sizes))  # type: ignore[call-arg]
+        return Plant(  # type: ignore[call-arg]
+            *constant, np.array(self.maps.sizes), rows_of(self.D), rows_of(self.B.T), delassus_of(self.M, self.W)
+        )
 
     def inputs(self, t: Matrix) -> Inputs:
         """What the signals contribute at given times, arrays of shape ``t.shape + (size,)``."""

@@ -14,12 +14,13 @@ from numpy.typing import NDArray
 
 from hysdel_py.drivetrain.equations import Equations
 from hysdel_py.drivetrain.kernels.arrays import Inputs, Plant, Record, empty_record
+from hysdel_py.drivetrain.kernels.rows import rows_of
 from hysdel_py.drivetrain.kernels.time_stepping import STICK, run
 from hysdel_py.drivetrain.recording import trajectory_of
 from hysdel_py.drivetrain.schemes.grid import sample_times
 from hysdel_py.drivetrain.schemes.options import VariableStepMoreau, describe
 from hysdel_py.drivetrain.schemes.segments import Segment, segments
-from hysdel_py.drivetrain.schemes.time_stepping import ACTIVE_SET, effective_inverse
+from hysdel_py.drivetrain.schemes.time_stepping import ACTIVE_SET, effective_delassus
 from hysdel_py.drivetrain.trajectory import DrivetrainTrajectory
 
 __all__ = ["integrate"]
@@ -168,8 +169,8 @@ def _steps(state: _Run, segment: Segment, dt: float, count: int) -> tuple[Record
     inputs = Inputs(*(np.stack(parts) for parts in zip(*middles, strict=True)))
     inputs = inputs._replace(slip=np.stack([end.slip for end in ends]))
     record, modes = empty_record(count, state.plant), state.modes.copy()
-    A = effective_inverse(state.plant, _THETA, dt)
-    run(state.plant, inputs, A, (_THETA, _THETA), dt, ACTIVE_SET, state.u, state.e, modes, record)
+    G, rows = effective_delassus(state.plant, _THETA, dt), rows_of(np.zeros((0, 0)))
+    run(state.plant, inputs, G, rows, (_THETA, _THETA), dt, ACTIVE_SET, state.u, state.e, modes, record)
     return record, modes
 
 
