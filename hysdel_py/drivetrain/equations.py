@@ -10,8 +10,9 @@ torque that a contact transmits from its first shaft to its second. The speeds o
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -21,7 +22,7 @@ from hysdel_py.drivetrain.kernels.arrays import Inputs, Plant
 from hysdel_py.drivetrain.kernels.rows import rows_of
 from hysdel_py.drivetrain.laws import Coulomb, FrictionLaw, as_law
 from hysdel_py.drivetrain.signals import Function, PiecewiseLinear, Signal, SignalLike, as_signal, sample
-from hysdel_py.drivetrain.structure import delassus_of
+from hysdel_py.drivetrain.structure import delassus_of, multiplier
 from hysdel_py.errors import ArgumentError
 
 __all__ = ["Equations", "Gains", "Maps", "Names", "equations_from_matrices", "no_maps"]
@@ -138,6 +139,12 @@ class Equations:
         return G
 
     @property
+    def mobility(self) -> Matrix:
+        """Diagonal of G, shape (nc,): what a unit of torque does to the slip of its own contact."""
+        share: Matrix = np.sum(self.W * np.linalg.solve(self.M, self.W), axis=0)
+        return share
+
+    @property
     def linear(self) -> bool:
         """Whether the equations between two events are linear with constant coefficients."""
         return self.drag.size == 0 and len(self.maps.sizes) == 0 and not any(law.parameters[2] for law in self.laws)
@@ -170,15 +177,19 @@ class Equations:
 
     def inputs_of(self, values: Matrix, slopes: Matrix) -> Inputs:
         """The same from values and slopes of the signals."""
-        g = self.gains
+        g = self._gain
         return Inputs(*(np.ascontiguousarray(part) for part in (
-            values @ g.force.T + slopes @ g.force_rate.T,
-            np.maximum(values @ g.pressure.T, 0.0),
-            values @ g.twist.T,
-            values @ g.slip.T,
-            slopes @ g.slip.T,
-            values @ g.throttle.T,
+            g["force"](values) + g["force_rate"](slopes),
+            np.maximum(g["pressure"](values), 0.0),
+            g["twist"](values),
+            g["slip"](values),
+            g["slip"](slopes),
+            g["throttle"](values),
         )))  # fmt: skip
+
+    @cached_property
+    def _gain(self) -> dict[str, Callable[[Matrix], Matrix]]:
+        return {name: multiplier(getattr(self.gains, name).T) for name in Gains.__slots__}
 
     @property
     def _needs_slope(self) -> NDArray[np.bool_]:
@@ -194,8 +205,7 @@ class Equations:
 
     def shaft_speeds(self, t: Matrix, u: Matrix) -> Matrix:
         """Speeds of all shafts, one row per time."""
-        speeds: Matrix = u @ self.T.T + sample(self.signals, t) @ self.gains.shaft.T
-        return speeds
+        return multiplier(self.T.T)(u) + self._gain["shaft"](sample(self.signals, t))
 
     def piecewise_linear(self) -> tuple[PiecewiseLinear, ...]:
         """The signals, all of them piecewise linear.

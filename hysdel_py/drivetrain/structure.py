@@ -6,6 +6,8 @@ whatever the names and the order of its components are; the order is found from 
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -13,7 +15,7 @@ from hysdel_py.drivetrain.kernels.banded import Band, factor
 from hysdel_py.drivetrain.kernels.delassus import Delassus, is_dense, slips
 from hysdel_py.drivetrain.kernels.rows import Rows, rows_of
 
-__all__ = ["delassus_of", "delassus_of_matrix", "dense_delassus"]
+__all__ = ["delassus_of", "delassus_of_matrix", "dense_delassus", "multiplier"]
 
 Matrix = NDArray[np.float64]
 Places = NDArray[np.int64]
@@ -51,6 +53,21 @@ def dense_delassus(G: Delassus) -> Matrix:
     nothing = np.zeros(len(G.diagonal))
     matrix = np.array([slips(G, nothing, unit) for unit in np.eye(len(nothing))])
     return 0.5 * (matrix + matrix.T)
+
+
+def multiplier(matrix: Matrix) -> Callable[[Matrix], Matrix]:
+    """The function ``values -> values @ matrix``, in the time that the entries take where the matrix is large."""
+    if matrix.size < SMALLEST_BAND**2:
+        return lambda values: values @ matrix
+    from scipy.sparse import csr_array
+
+    entries, width = csr_array(matrix), matrix.shape[1]
+
+    def multiply(values: Matrix) -> Matrix:
+        found = values.reshape(-1, values.shape[-1]) @ entries
+        return np.asarray(found).reshape(*values.shape[:-1], width)
+
+    return multiply
 
 
 def _dense(N: Matrix, W: Matrix, rows: Rows) -> Delassus:
