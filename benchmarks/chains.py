@@ -88,7 +88,7 @@ SCHEMES: dict[str, Callable[[float], object]] = {
     "Switch Model": lambda dt: hys.SwitchModel(dt=dt),
     "Karnopp": lambda dt: hys.Karnopp(dt=dt),
     "fixed-step LCP": lambda dt: hys.FixedStepLcp(dt=dt, solver="active-set"),
-    "smoothing Radau": lambda dt: hys.Smoothing(steepness=STEEPNESS),
+    "smoothing Radau": lambda dt: hys.Smoothing(steepness=STEEPNESS, rtol=1e-6, atol=1e-8),
     "event-driven": lambda dt: hys.EventDriven(solver="active-set", rtol=1e-6, atol=1e-6),
     "exact": lambda dt: hys.Exact(),
 }

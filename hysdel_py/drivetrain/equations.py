@@ -10,7 +10,7 @@ torque that a contact transmits from its first shaft to its second. The speeds o
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -22,7 +22,7 @@ from hysdel_py.drivetrain.kernels.arrays import Inputs, Plant
 from hysdel_py.drivetrain.kernels.rows import rows_of
 from hysdel_py.drivetrain.laws import Coulomb, FrictionLaw, as_law
 from hysdel_py.drivetrain.signals import Function, PiecewiseLinear, Signal, SignalLike, as_signal, sample
-from hysdel_py.drivetrain.structure import delassus_of, multiplier
+from hysdel_py.drivetrain.structure import Multiplier, delassus_of, inverse_of, multiplier
 from hysdel_py.errors import ArgumentError
 
 __all__ = ["Equations", "Gains", "Maps", "Names", "equations_from_matrices", "no_maps"]
@@ -135,29 +135,30 @@ class Equations:
     @property
     def G(self) -> Matrix:
         """``W' M^-1 W``: slip acceleration per contact torque."""
-        G: Matrix = self.W.T @ np.linalg.solve(self.M, self.W)
+        G = self.plant.G.view()
+        G.setflags(write=False)
         return G
 
     @property
     def mobility(self) -> Matrix:
         """Diagonal of G, shape (nc,): what a unit of torque does to the slip of its own contact."""
-        share: Matrix = np.sum(self.W * np.linalg.solve(self.M, self.W), axis=0)
-        return share
+        return np.diag(self.plant.G)
 
     @property
     def linear(self) -> bool:
         """Whether the equations between two events are linear with constant coefficients."""
         return self.drag.size == 0 and len(self.maps.sizes) == 0 and not any(law.parameters[2] for law in self.laws)
 
-    @property
+    @cached_property
     def plant(self) -> Plant:
-        """The constant arrays, as the kernels take them."""
+        """The constant arrays, as the kernels take them; they are read only by agreement."""
         laws = np.array([law.parameters for law in self.laws], dtype=float).reshape(len(self.laws), 4)
-        Minv = np.linalg.inv(self.M)
-        Minv = 0.5 * (Minv + Minv.T)
+        Minv = inverse_of(self.M)
+        across = multiplier(self.W)
+        G = across(across(Minv).T)
         side = np.ascontiguousarray(np.column_stack([-self.side[:, 1], -self.side[:, 0]]))  # of lambda, not -lambda
         arrays = (
-            self.M, Minv, self.D, self.B, self.k, self.W, self.W.T @ Minv @ self.W, laws, side, self.drag_directions,
+            self.M, Minv, self.D, self.B, self.k, self.W, 0.5 * (G + G.T), laws, side, self.drag_directions,
             self.drag, self.maps.directions, self.maps.speed, self.maps.throttle, self.maps.torque,
         )  # fmt: skip
         constant = [
@@ -188,10 +189,15 @@ class Equations:
         )))  # fmt: skip
 
     @cached_property
-    def _gain(self) -> dict[str, Callable[[Matrix], Matrix]]:
+    def _gain(self) -> dict[str, Multiplier]:
         return {name: multiplier(getattr(self.gains, name).T) for name in Gains.__slots__}
 
-    @property
+    @cached_property
+    def has_functions(self) -> bool:
+        """Whether an input is a function of time."""
+        return any(isinstance(signal, Function) for signal in self.signals)
+
+    @cached_property
     def _needs_slope(self) -> NDArray[np.bool_]:
         used: NDArray[np.bool_] = np.any(self.gains.shaft != 0, axis=0)
         return used

@@ -6,7 +6,8 @@ whatever the names and the order of its components are; the order is found from 
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,7 +16,7 @@ from hysdel_py.drivetrain.kernels.banded import Band, factor
 from hysdel_py.drivetrain.kernels.delassus import Delassus, is_dense, slips
 from hysdel_py.drivetrain.kernels.rows import Rows, rows_of
 
-__all__ = ["delassus_of", "delassus_of_matrix", "dense_delassus", "multiplier"]
+__all__ = ["Multiplier", "delassus_of", "delassus_of_matrix", "dense_delassus", "inverse_of", "multiplier"]
 
 Matrix = NDArray[np.float64]
 Places = NDArray[np.int64]
@@ -55,24 +56,40 @@ def dense_delassus(G: Delassus) -> Matrix:
     return 0.5 * (matrix + matrix.T)
 
 
-def multiplier(matrix: Matrix) -> Callable[[Matrix], Matrix]:
-    """The function ``values -> values @ matrix``, in the time that the entries take where the matrix is large."""
+@dataclass(frozen=True, eq=False, slots=True)
+class Multiplier:
+    """The function ``values -> values @ matrix``; of a large matrix its entries alone count."""
+
+    matrix: Any
+
+    def __call__(self, values: Matrix) -> Matrix:
+        """Product for values of any shape (..., rows of the matrix)."""
+        if isinstance(self.matrix, np.ndarray):
+            return values @ self.matrix
+        found = values.reshape(-1, values.shape[-1]) @ self.matrix
+        return np.asarray(found).reshape(*values.shape[:-1], self.matrix.shape[1])
+
+
+def multiplier(matrix: Matrix) -> Multiplier:
+    """The multiplier of a matrix."""
     if matrix.size < SMALLEST_BAND**2:
-        return lambda values: values @ matrix
+        return Multiplier(matrix)
     from scipy.sparse import csr_array
 
-    entries, width = csr_array(matrix), matrix.shape[1]
+    return Multiplier(csr_array(matrix))
 
-    def multiply(values: Matrix) -> Matrix:
-        found = values.reshape(-1, values.shape[-1]) @ entries
-        return np.asarray(found).reshape(*values.shape[:-1], width)
 
-    return multiply
+def inverse_of(N: Matrix) -> Matrix:
+    """Inverse of an inertia matrix, at once where it is diagonal."""
+    inertia = np.diag(N)
+    if np.count_nonzero(N) == np.count_nonzero(inertia):
+        return np.diag(1.0 / inertia)
+    inverse = np.linalg.inv(N)
+    return np.ascontiguousarray(0.5 * (inverse + inverse.T))
 
 
 def _dense(N: Matrix, W: Matrix, rows: Rows) -> Delassus:
-    inverse = np.linalg.inv(N)
-    inverse = np.ascontiguousarray(0.5 * (inverse + inverse.T))
+    inverse = inverse_of(N)
     G = np.ascontiguousarray(W.T @ inverse @ W)
     return Delassus(G, inverse, np.diag(G).copy(), np.diag(N).copy(), rows, _no_band())
 

@@ -15,7 +15,7 @@ from hysdel_py.drivetrain.recording import trajectory_of
 from hysdel_py.drivetrain.schemes.explicit_lcp import run_with_lcp
 from hysdel_py.drivetrain.schemes.grid import Grid, grid
 from hysdel_py.drivetrain.schemes.options import AugmentedLagrangian, Moreau, describe
-from hysdel_py.drivetrain.structure import delassus_of, dense_delassus
+from hysdel_py.drivetrain.structure import delassus_of, dense_delassus, inverse_of, multiplier
 from hysdel_py.drivetrain.trajectory import DrivetrainTrajectory
 
 __all__ = ["ACTIVE_SET", "effective_delassus", "effective_inverse", "first_modes", "integrate", "weights_of"]
@@ -67,7 +67,7 @@ def _solver(scheme: Moreau | AugmentedLagrangian) -> tuple[float, float, float, 
 
 def effective_inertia(plant: Plant, theta: float, dt: float) -> Matrix:
     """The mass matrix with damping and stiffness, in which the theta scheme is implicit."""
-    stiffness: Matrix = plant.B @ (plant.k[:, None] * plant.B.T)
+    stiffness: Matrix = multiplier(plant.B.T)(plant.B * plant.k)
     return plant.M + theta * dt * plant.D + (theta * dt) ** 2 * stiffness
 
 
@@ -75,8 +75,7 @@ def effective_inverse(plant: Plant, theta: float | None, dt: float) -> Matrix:
     """``A``: inverse of the mass matrix, with damping and stiffness where the scheme is implicit in them."""
     if theta is None:
         return plant.Minv
-    inverse = np.linalg.inv(effective_inertia(plant, theta, dt))
-    return np.ascontiguousarray(0.5 * (inverse + inverse.T))
+    return inverse_of(effective_inertia(plant, theta, dt))
 
 
 def effective_delassus(plant: Plant, theta: float | None, dt: float) -> Delassus:
