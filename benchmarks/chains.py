@@ -7,8 +7,8 @@ stick and slip against each other. Everything is reproducible from the number n 
 Cost is processor time per millisecond of motion, setting up left out: a run less a run of one step. Each method goes up
 to the length at which one simulation has taken more than the budget, or at which it refuses; the table says which. The
 difference is the greatest of any final speed from that of the reference, relative to the greatest speed: the reference
-is `Moreau` with theta = 1/2 and a sixteenth of the step, itself compared with `Exact` where that is affordable. The methods
-of scipy integrate smooth friction, written down anew here with whole-array operations and a sparse Jacobian.
+is `Moreau` with theta = 1/2 and a sixteenth of the step, whose own error the line of `exact` shows. The methods of
+scipy integrate smooth friction, written down anew here with whole-array operations and a sparse Jacobian.
 
     python benchmarks/chains.py [--sizes 2,5,10] [--budget 20] [--plot FILE]
 """
@@ -19,6 +19,7 @@ import argparse
 import math
 from collections.abc import Callable
 from dataclasses import dataclass
+from itertools import pairwise
 from time import process_time
 
 import numpy as np
@@ -79,18 +80,16 @@ SCHEMES: dict[str, Callable[[float], object]] = {
     "aug. Lagr. p=0.5": lambda dt: hys.AugmentedLagrangian(dt=dt, steepness=0.5, tolerance=1e-4),
     "Moreau, newton": lambda dt: hys.Moreau(dt=dt, theta=None, solver="newton", decomposition="boxed"),
     "Moreau, Lemke L-N": lambda dt: hys.Moreau(dt=dt, theta=None, solver="lemke"),
-    "Moreau, Lemke P-G": lambda dt: hys.Moreau(
-        dt=dt, theta=None, solver="lemke", decomposition="pfeiffer-glocker"
-    ),
+    "Moreau, Lemke P-G": lambda dt: hys.Moreau(dt=dt, theta=None, solver="lemke", decomposition="pfeiffer-glocker"),
     "Moreau, enumerative": lambda dt: hys.Moreau(dt=dt, theta=None, solver="enumerative", decomposition="boxed"),
-    "variable step": lambda dt: hys.VariableStepMoreau(tolerance=1e-2),
+    "variable step": lambda _: hys.VariableStepMoreau(tolerance=1e-2),
     "wait state": lambda dt: hys.WaitState(dt=dt),
     "Switch Model": lambda dt: hys.SwitchModel(dt=dt),
     "Karnopp": lambda dt: hys.Karnopp(dt=dt),
     "fixed-step LCP": lambda dt: hys.FixedStepLcp(dt=dt, solver="active-set"),
-    "smoothing Radau": lambda dt: hys.Smoothing(steepness=STEEPNESS, rtol=1e-6, atol=1e-8),
-    "event-driven": lambda dt: hys.EventDriven(solver="active-set", rtol=1e-6, atol=1e-6),
-    "exact": lambda dt: hys.Exact(),
+    "smoothing Radau": lambda _: hys.Smoothing(steepness=STEEPNESS, rtol=1e-6, atol=1e-8),
+    "event-driven": lambda _: hys.EventDriven(solver="active-set", rtol=1e-6, atol=1e-6),
+    "exact": lambda _: hys.Exact(),
 }
 
 PEERS = ("Radau", "BDF", "LSODA")
@@ -153,16 +152,18 @@ def smooth(data: Chain, method: str) -> Callable[[float], np.ndarray]:
         change[1:] += torque
         return np.concatenate([inverse * change, slip])
 
-    def jacobian(t: float, z: np.ndarray) -> csc_matrix:
+    def jacobian(_: float, z: np.ndarray) -> csc_matrix:
         slip = z[:n] - z[1 : n + 1]
         slope = data.limit * (2 / np.pi) * STEEPNESS / (1 + (STEEPNESS * slip) ** 2) + data.damping
         weighted = diags(inverse) @ W
-        return bmat([[-(weighted @ diags(slope) @ W.T), -(weighted @ diags(data.stiffness))], [across @ W.T, None]], "csc")
+        return bmat(
+            [[-(weighted @ diags(slope) @ W.T), -(weighted @ diags(data.stiffness))], [across @ W.T, None]], "csc"
+        )
 
     def run(until: float) -> np.ndarray:
         z, kinks = np.concatenate([data.start, np.zeros(n)]), [0.0, 0.04, UNTIL]
         edges = sorted({min(kink, until) for kink in kinks})
-        for a, b in zip(edges[:-1], edges[1:], strict=True):
+        for a, b in pairwise(edges):
             options = {} if method == "LSODA" else {"jac": jacobian}
             found = solve_ivp(rates, (a, b), z, method=method, rtol=1e-6, atol=1e-8, **options)
             if not found.success:
@@ -267,7 +268,10 @@ def report(table: dict[str, dict[int, Entry]], sizes: tuple[int, ...]) -> list[s
         cells = [f"{column[n].difference:.0e}" if n in column else "" for n in sizes]
         head.append(f"| {name} | {' | '.join(cell.replace('nan', '-') for cell in cells)} |")
     ends = [
-        f"* {name}, n = {n}: {found.note}" for name, column in table.items() for n, found in column.items() if found.note
+        f"* {name}, n = {n}: {found.note}"
+        for name, column in table.items()
+        for n, found in column.items()
+        if found.note
     ]
     return [
         "microseconds per millisecond of motion, and exponent of the last three lengths", "", *cost, "",
@@ -295,7 +299,9 @@ def plot(table: dict[str, dict[int, Entry]], path: str) -> None:
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--sizes", default=",".join(map(str, SIZES)), help="numbers of contacts")
-    parser.add_argument("--budget", type=float, default=20.0, help="seconds of one simulation after which a method ends")
+    parser.add_argument(
+        "--budget", type=float, default=20.0, help="seconds of one simulation after which a method ends"
+    )
     parser.add_argument("--plot", metavar="FILE", help="write a picture of cost over length")
     options = parser.parse_args()
     try:

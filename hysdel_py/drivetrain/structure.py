@@ -29,7 +29,7 @@ WIDEST_BAND = 16
 
 
 def delassus_of(N: Matrix, W: Matrix) -> Delassus:
-    """The operator ``W' N^-1 W`` of an inertia matrix N of shape (n, n), and contacts of directions W, shape (n, nc)."""
+    """The operator ``W' N^-1 W`` of an inertia matrix N, shape (n, n), and directions of contacts W, shape (n, nc)."""
     rows = rows_of(W.T)
     symmetric = np.array_equal(N, N.T)  # gyroscopic damping is not
     if symmetric and W.shape[1] and len(N) + W.shape[1] >= SMALLEST_BAND:

@@ -1,8 +1,8 @@
 """Torques that the friction law leaves open: of sticking contacts whose slips depend on each other.
 
-Two clutches beside each other between the same shafts, or two brakes and a clutch between them, carry a torque together.
-While they stick the motion says what their torques add up to, and their limits how far each may go, but nothing says
-how they share it. Speeds are unique all the same; a scheme picks one of many torques.
+Two clutches beside each other between the same shafts, or two brakes and a clutch between them, carry a torque
+together. While they stick the motion says what their torques add up to, and their limits how far each may go, but
+nothing says how they share it. Speeds are unique all the same; a scheme picks one of many torques.
 """
 
 from __future__ import annotations
@@ -45,7 +45,9 @@ def undetermined_torques(W: Matrix, speeds: Matrix, slips: Matrix, modes: Codes)
     index = np.flatnonzero(_in_loops(W))
     if len(index) < 2 or np.linalg.matrix_rank(W[:, index]) == len(index):
         return found
-    patterns, which = np.unique(_codes(W[:, index], speeds, slips[:, index], modes[:, index]), axis=0, return_inverse=True)
+    patterns, which = np.unique(
+        _codes(W[:, index], speeds, slips[:, index], modes[:, index]), axis=0, return_inverse=True
+    )
     free = np.array([_free(W[:, index], pattern) for pattern in patterns])
     found[:, index] = free[which.ravel()]
     return found
@@ -59,7 +61,8 @@ def sharing_message(t: Matrix, undetermined: Mask, contacts: Sequence[str]) -> t
     names = [name for name, somewhere in zip(contacts, undetermined.any(axis=0), strict=True) if somewhere]
     return (
         f"the torques of {', '.join(names)} are not unique in {len(when)} of {len(t)} samples, first at "
-        f"t = {t[when[0]]:.6g} s: these contacts stick together and the friction law does not say how they share what they carry",
+        f"t = {t[when[0]]:.6g} s: these contacts stick together and the friction law does not say how they "
+        "share what they carry",
     )
 
 
@@ -89,7 +92,7 @@ def _codes(W: Matrix, speeds: Matrix, slips: Matrix, modes: Codes) -> Codes:
 
 
 def _free(W: Matrix, codes: Codes) -> Mask:
-    """Contacts whose torque can change without a change of any slip: ``W z = 0``, into the limits where it is at one."""
+    """Contacts whose torque can change without a change of any slip: ``W z = 0``, and into its limits."""
     free = np.zeros(len(codes), dtype=bool)
     index = np.flatnonzero(codes != NOWHERE)
     if not np.any(codes[index] == INSIDE):

@@ -25,7 +25,7 @@ FIXED = (
 
 
 def plant(seed, n, doubled=0, springs=True):
-    """A chain of n + 1 shafts in shuffled order: N, W; some neighbours have a second contact, or one over two shafts."""
+    """A chain of n + 1 shafts in shuffled order: N, W; some have a second contact, with one of the next two shafts."""
     random = np.random.default_rng(seed)
     place = random.permutation(n + 1)
     pairs = [(i, i + 1) for i in range(n)]
@@ -73,7 +73,9 @@ def test_the_contact_problem_is_solved_through_the_band(seed, n, doubled):
         gamma, scale = matrix @ P + c, np.abs(matrix) @ F + np.abs(c)
         assert np.all(np.abs(P - np.clip(P - gamma / np.diag(matrix), -F, F)) * np.diag(matrix) <= 1e-10 * scale)
         assert solve_box(delassus_of_matrix(matrix), c, -F, F, Q) > 0
-        np.testing.assert_allclose(matrix @ P, matrix @ Q, atol=1e-9 * scale.max())  # slips are unique, torques need not be
+        np.testing.assert_allclose(
+            matrix @ P, matrix @ Q, atol=1e-9 * scale.max()
+        )  # slips are unique, torques need not be
 
 
 def test_a_contact_that_depends_on_others_keeps_its_torque():

@@ -3,8 +3,8 @@
     [ N   W_s ] [ v]   [a]
     [ W_s'  0 ] [-P] = [b]
 
-Speeds are ordered so that those that are coupled stand near to each other, and each contact stands behind the last speed
-that it touches. Then every leading block is regular as long as the contacts are independent: elimination needs no
+Speeds are ordered so that those that are coupled stand near to each other, and each contact stands behind the last
+speed that it touches. Then every leading block is regular as long as the contacts are independent: elimination needs no
 exchange of rows, and a contact that depends on contacts before it shows as a pivot of zero. The cost grows with the
 number of unknowns and the square of the half bandwidth, which is 3 for a chain.
 """

@@ -9,8 +9,8 @@ makes singular G harmless. Large plants first let all contacts change together: 
 where one after the other would take one system for each contact that changes.
 
 Sources: P. B. Stark and R. L. Parker, "Bounded-variable least-squares: an algorithm and applications", Computational
-Statistics 10, 1995; M. Hintermueller, K. Ito and K. Kunisch, "The primal-dual active set strategy as a semismooth Newton
-method", SIAM Journal on Optimization 13, 2002.
+Statistics 10, 1995; M. Hintermueller, K. Ito and K. Kunisch, "The primal-dual active set strategy as a semismooth
+Newton method", SIAM Journal on Optimization 13, 2002.
 """
 
 from __future__ import annotations

@@ -1,7 +1,7 @@
 """Rules that give the torque of every contact at one state, on acceleration level.
 
-Every rule works on the free slip acceleration ``a = W'M^-1 h + gamma0'`` and on the operator ``G = W'M^-1 W``: with torques lambda
-the slips accelerate by ``a + G lambda``.
+Every rule works on the free slip acceleration ``a = W'M^-1 h + gamma0'`` and on the operator ``G = W'M^-1 W``: with
+torques lambda the slips accelerate by ``a + G lambda``.
 """
 
 from __future__ import annotations
