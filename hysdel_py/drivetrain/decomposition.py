@@ -22,6 +22,7 @@ from numpy.typing import NDArray
 
 from hysdel_py.drivetrain.kernels.banded import DEPENDENT
 from hysdel_py.drivetrain.kernels.box import solve_box
+from hysdel_py.drivetrain.kernels.time_stepping import AT_LIMIT
 from hysdel_py.drivetrain.structure import delassus_of_matrix
 from hysdel_py.errors import ArgumentError
 from hysdel_py.optimize.lcp.problem import Lcp, LcpResult, LcpSettings
@@ -138,7 +139,7 @@ class ContactSolver:
             return None
         self._warm = answer
         z = np.asarray(answer.z)
-        return np.clip(z if self.decomposition == "boxed" else torques_from(self.decomposition, z, hi), lo, hi)
+        return _at_limits(z if self.decomposition == "boxed" else torques_from(self.decomposition, z, hi), lo, hi)
 
     def _problem(self, G: Matrix, c: Matrix, lo: Matrix, hi: Matrix) -> Lcp:
         """The problem; its matrix is checked and scaled once as long as G is the same object."""
@@ -152,6 +153,13 @@ class ContactSolver:
 
     def _fitting(self, size: int) -> LcpResult | None:
         return self._warm if self._warm is not None and len(self._warm.z) == size else None
+
+
+def _at_limits(P: Matrix, lo: Matrix, hi: Matrix) -> Matrix:
+    """P inside its limits, and on one where rounding alone keeps it off: a sliding contact must not seem to stick."""
+    margin = AT_LIMIT * (hi - lo)
+    found: Matrix = np.where(lo + margin >= P, lo, np.where(hi - margin <= P, hi, P))
+    return found
 
 
 def _compressed(M: Matrix) -> Any:
