@@ -165,7 +165,11 @@ class Equations:
             np.array(a, dtype=float, order="C") for a in arrays
         ]  # copies: kernels are compiled for writable ones
         return Plant(  # type: ignore[call-arg]
-            *constant, np.array(self.maps.sizes), rows_of(self.D), rows_of(self.B.T), delassus_of(self.M, self.W)
+            *constant,  # type: ignore[arg-type]
+            np.array(self.maps.sizes),
+            rows_of(self.D),
+            rows_of(self.B.T),
+            delassus_of(self.M, self.W),
         )
 
     def inputs(self, t: Matrix) -> Inputs:

@@ -53,7 +53,8 @@ def dense_delassus(G: Delassus) -> Matrix:
         return G.dense
     nothing = np.zeros(len(G.diagonal))
     matrix = np.array([slips(G, nothing, unit) for unit in np.eye(len(nothing))])
-    return 0.5 * (matrix + matrix.T)
+    symmetric: Matrix = 0.5 * (matrix + matrix.T)
+    return symmetric
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -65,7 +66,8 @@ class Multiplier:
     def __call__(self, values: Matrix) -> Matrix:
         """Product for values of any shape (..., rows of the matrix)."""
         if isinstance(self.matrix, np.ndarray):
-            return values @ self.matrix
+            product: Matrix = values @ self.matrix
+            return product
         found = values.reshape(-1, values.shape[-1]) @ self.matrix
         return np.asarray(found).reshape(*values.shape[:-1], self.matrix.shape[1])
 

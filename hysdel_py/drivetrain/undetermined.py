@@ -58,7 +58,7 @@ def sharing_message(t: Matrix, undetermined: Mask, contacts: Sequence[str]) -> t
     when = np.flatnonzero(undetermined.any(axis=1))
     if not len(when):
         return ()
-    names = [name for name, somewhere in zip(contacts, undetermined.any(axis=0), strict=True) if somewhere]
+    names = [contacts[int(i)] for i in np.flatnonzero(undetermined.any(axis=0))]
     return (
         f"the torques of {', '.join(names)} are not unique in {len(when)} of {len(t)} samples, first at "
         f"t = {t[when[0]]:.6g} s: these contacts stick together and the friction law does not say how they "
