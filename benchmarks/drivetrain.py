@@ -4,6 +4,7 @@ The error is the greatest over the known signals at the end, relative to the siz
 the greatest error of an event time [s]. A dash is a case that a method does not claim to solve.
 
     python benchmarks/drivetrain.py [--dt 1e-3]
+    python benchmarks/drivetrain.py --stribeck
     NUMBA_CACHE_DIR=$(mktemp -d) python benchmarks/drivetrain.py --first-use
 """
 
@@ -68,13 +69,52 @@ def first_use() -> None:
         print(f"{family:<30}{process_time() - start:6.1f} s", flush=True)
 
 
+def stribeck_cases() -> dict[str, tuple[hys.Drivetrain, dict[str, float], float]]:
+    """Drivetrains whose friction falls with the slip, with starts and ends."""
+
+    def belt(friction: object) -> hys.Drivetrain:
+        return hys.Drivetrain(
+            hys.Inertia("m", 1), hys.SpringDamper("x", "m", hys.GROUND, 1), hys.SpeedSource("belt", 0.2),
+            hys.Clutch("contact", "belt", "m", 1, friction),
+        )  # fmt: skip
+
+    slide = hys.Drivetrain(hys.Inertia("m", 1), hys.Brake("brake", "m", 10, hys.Stribeck(1, 0.5, 2)))
+    clutch = hys.Drivetrain(
+        hys.Inertia("a", 0.2), hys.Inertia("b", 0.8), hys.TorqueSource("T", "a", 30), hys.Load("road", "b", 0.67),
+        hys.Clutch("clutch", "a", "b", [(0, 60), (1, 60), (2, 0)], hys.Stribeck(1, 0.7, 5)),
+    )  # fmt: skip
+    start = {"m": 0.2, "x": 0.9}
+    return {
+        "Stribeck, slide to rest": (slide, {"m": 4}, 0.9),
+        "Stribeck, stick-slip": (belt(hys.Stribeck(1, 0.5, 0.1)), start, 5.0),
+        "Stribeck, clutch under load": (clutch, {"a": 120, "b": 20}, 1.9),
+        "Coulomb 1, 0.5, stick-slip": (belt(hys.Coulomb(1, 0.5)), start, 5.0),
+    }
+
+
+def stribeck_orders() -> None:
+    """Mean errors of theta = 1/2 against an event-driven run, and their order."""
+    steps = (2e-2, 1e-2, 5e-3, 2.5e-3)
+    for name, (line, start, until) in stribeck_cases().items():
+        precise = hys.EventDriven(rtol=1e-11, atol=1e-11, solver="active-set")
+        reference = line.simulate(start, until, precise, sample=until / 10)
+        runs = [line.simulate(start, until, hys.Moreau(dt=dt), sample=until / 10) for dt in steps]
+        errors = [float(np.abs(run.speeds - reference.speeds).mean()) for run in runs]
+        order = np.polyfit(np.log(steps), np.log(errors), 1)[0]
+        print(f"{name:<30}{'  '.join(f'{error:.1e}' for error in errors)}   order {order:.2f}", flush=True)
+
+
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--dt", type=float, default=1e-3)
+    parser.add_argument("--stribeck", action="store_true", help="print orders with falling friction instead")
     parser.add_argument("--first-use", action="store_true", help="print processor times of first runs instead")
     options = parser.parse_args()
     if options.first_use:
         first_use()
+        return
+    if options.stribeck:
+        stribeck_orders()
         return
     methods = schemes(options.dt)
     print(f"| case | {' | '.join(methods)} |")

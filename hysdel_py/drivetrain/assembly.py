@@ -131,7 +131,8 @@ def _damping(components: Sequence[Component], shafts: Shafts) -> Matrix:
     D = np.zeros((shafts.T.shape[1],) * 2)
     for a, b, factor in _dampers(components):
         direction = shafts.row(a) - shafts.row(b)
-        D += factor * np.outer(direction, direction)
+        touched = np.flatnonzero(direction)
+        D[np.ix_(touched, touched)] += factor * np.outer(direction[touched], direction[touched])
     return D
 
 
@@ -203,6 +204,8 @@ def _placed(columns: int, first: int) -> Callable[[Matrix], Matrix]:
 def _from_given_speeds(components: Sequence[Component], shafts: Shafts) -> Matrix:
     """Torque of the dampers per prescribed speed."""
     total = np.zeros((shafts.T.shape[1], shafts.P.shape[1]))
+    if not total.size:
+        return total
     for a, b, factor in _dampers(components):
         total += factor * np.outer(shafts.row(a) - shafts.row(b), shafts.given_row(a) - shafts.given_row(b))
     return total

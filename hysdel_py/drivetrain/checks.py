@@ -71,10 +71,23 @@ def check_mass(M: Matrix, names: Sequence[str]) -> None:
     if not np.allclose(M, M.T, rtol=1e-12, atol=0.0):
         raise ArgumentError("the mass matrix is not symmetric")
     size = np.sqrt(np.maximum(np.diag(M), np.finfo(float).tiny))
-    values, vectors = np.linalg.eigh(M / np.outer(size, size))  # in units in which every shaft that moves weighs 1
-    if len(M) and values[0] <= len(M) * np.finfo(float).eps:
+    scaled = M / np.outer(size, size)  # in units in which every shaft that moves weighs 1
+    least = len(M) * np.finfo(float).eps
+    if _exceeds(scaled, least):
+        return
+    values, vectors = np.linalg.eigh(scaled)
+    if len(M) and values[0] <= least:
         free = names[int(np.argmax(np.abs(vectors[:, 0])))]
         raise ArgumentError(f"shaft {free} can move without inertia: give it an Inertia or gear it to one that has")
+
+
+def _exceeds(M: Matrix, least: float) -> bool:
+    """Whether all eigenvalues exceed a number, at a small part of the cost of finding them."""
+    try:
+        np.linalg.cholesky(M - least * np.eye(len(M)))
+    except np.linalg.LinAlgError:
+        return False
+    return True
 
 
 def check_directions(W: Matrix, contacts: Sequence[str]) -> None:

@@ -14,13 +14,19 @@ gamma is zero where P is inside, not negative at the lower limit, not positive a
 from __future__ import annotations
 
 from dataclasses import dataclass, field
+from math import log
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from hysdel_py.drivetrain.kernels.box import DEPENDENT, solve_box
-from hysdel_py.optimize.lcp.problem import LcpResult
-from hysdel_py.optimize.lcp.solve import LcpMethod, solve_boxed_lcp, solve_lcp
+from hysdel_py.drivetrain.kernels.banded import DEPENDENT
+from hysdel_py.drivetrain.kernels.box import solve_box
+from hysdel_py.drivetrain.kernels.time_stepping import AT_LIMIT
+from hysdel_py.drivetrain.structure import delassus_of_matrix
+from hysdel_py.errors import ArgumentError
+from hysdel_py.optimize.lcp.problem import Lcp, LcpResult, LcpSettings
+from hysdel_py.optimize.lcp.solve import LcpMethod, solve_problem
 
 __all__ = ["ContactSolver", "friction_lcp", "torques_from"]
 
@@ -29,11 +35,20 @@ Matrix = NDArray[np.float64]
 
 def friction_lcp(decomposition: str, G: Matrix, c: Matrix, lo: Matrix, hi: Matrix) -> tuple[Matrix, Matrix]:
     """Matrix and vector of the LCP; `decomposition` is ``"leine-nijmeijer"`` or ``"pfeiffer-glocker"``."""
-    one, zero = np.eye(len(c)), np.zeros((len(c), len(c)))
+    return _matrix(decomposition, G), _vector(decomposition, G, c, lo, hi)
+
+
+def _matrix(decomposition: str, G: Matrix) -> Matrix:
+    one, zero = np.eye(len(G)), np.zeros(G.shape)
     if decomposition == "leine-nijmeijer":
-        return np.block([[G, one], [-one, zero]]), np.concatenate([-c - G @ hi, hi - lo])
-    M = np.block([[G, -G, one, zero], [-G, G, zero, one], [-one, zero, zero, zero], [zero, -one, zero, zero]])
-    return M, np.concatenate([c, -c, hi, -lo])
+        return np.block([[G, one], [-one, zero]])
+    return np.block([[G, -G, one, zero], [-G, G, zero, one], [-one, zero, zero, zero], [zero, -one, zero, zero]])
+
+
+def _vector(decomposition: str, G: Matrix, c: Matrix, lo: Matrix, hi: Matrix) -> Matrix:
+    if decomposition == "leine-nijmeijer":
+        return np.concatenate([-c - G @ hi, hi - lo])
+    return np.concatenate([c, -c, hi, -lo])
 
 
 def torques_from(decomposition: str, z: Matrix, hi: Matrix) -> Matrix:
@@ -42,6 +57,15 @@ def torques_from(decomposition: str, z: Matrix, hi: Matrix) -> Matrix:
     if decomposition == "leine-nijmeijer":
         return hi - z[:n]
     return z[:n] - z[n : 2 * n]
+
+
+MODES = {"boxed": 3, "leine-nijmeijer": 4, "pfeiffer-glocker": 16}
+"""Modes of one contact."""
+
+SPARSE_FROM, SPARSE_SHARE = 100, 0.1
+"""Size of a matrix, and share of its entries that are not zero, from and up to which it is kept in compressed rows."""
+
+MOST_MODES = LcpSettings().modes
 
 
 @dataclass(slots=True)
@@ -63,6 +87,7 @@ class ContactSolver:
     iterations: int = 0
     failures: int = 0
     _warm: LcpResult | None = field(default=None, repr=False)
+    _known: tuple[Matrix, Lcp] | None = field(default=None, repr=False)
 
     def __call__(self, G: Matrix, c: Matrix, lo: Matrix, hi: Matrix) -> Matrix:
         """Torques or impulses P."""
@@ -77,6 +102,7 @@ class ContactSolver:
         return self._answer(method, G, c, lo, hi)
 
     def _answer(self, method: str, G: Matrix, c: Matrix, lo: Matrix, hi: Matrix) -> Matrix:
+        self._check_size(len(c))
         self.solves += 1
         if method != "active-set" and len(c):
             found = self._by_lcp(G, c, lo, hi)
@@ -84,26 +110,65 @@ class ContactSolver:
                 return found
             self.failures += 1
         P = np.clip(np.zeros(len(c)), lo, hi)
-        spent = solve_box(G, c, lo, hi, P)
+        spent = solve_box(delassus_of_matrix(G), c, lo, hi, P)
         self.iterations += max(spent, 0)
         return P
 
+    def _check_size(self, contacts: int) -> None:
+        """Refuse an enumeration that could not be finished.
+
+        Raises
+        ------
+        ArgumentError
+            The contacts have more modes than are ever tried.
+        """
+        each = MODES[self.decomposition]
+        most = int(log(MOST_MODES) / log(each))
+        if self.method == "enumerative" and contacts > most:
+            raise ArgumentError(
+                f"solver is enumerative: {contacts} contacts have {each}^{contacts} modes ({self.decomposition}), and "
+                f'at most {most} contacts can be enumerated: take solver="active-set" or "newton"'
+            )
+
     def _by_lcp(self, G: Matrix, c: Matrix, lo: Matrix, hi: Matrix) -> Matrix | None:
         method: LcpMethod = self.method  # type: ignore[assignment]
-        if self.decomposition == "boxed":
-            answer = solve_boxed_lcp(G, c, lo, hi, method, warm=self._fitting(len(c)))
-        else:
-            M, q = friction_lcp(self.decomposition, G, c, lo, hi)
-            answer = solve_lcp(M, q, method, warm=self._fitting(len(q)))
+        problem = self._problem(G, c, lo, hi)
+        answer = solve_problem(problem, method, self._fitting(problem.n))
         self.iterations += answer.iterations
         if not answer.solved:
             return None
         self._warm = answer
         z = np.asarray(answer.z)
-        return np.clip(z if self.decomposition == "boxed" else torques_from(self.decomposition, z, hi), lo, hi)
+        return _at_limits(z if self.decomposition == "boxed" else torques_from(self.decomposition, z, hi), lo, hi)
+
+    def _problem(self, G: Matrix, c: Matrix, lo: Matrix, hi: Matrix) -> Lcp:
+        """The problem; its matrix is checked and scaled once as long as G is the same object."""
+        boxed = self.decomposition == "boxed"
+        q = c if boxed else _vector(self.decomposition, G, c, lo, hi)
+        low, high = (lo, hi) if boxed else (np.zeros(len(q)), np.full(len(q), np.inf))
+        if self._known is None or self._known[0] is not G:
+            M = G if boxed else _matrix(self.decomposition, G)
+            self._known = (G, Lcp(_compressed(M), q, low, high))
+        return self._known[1].with_vectors(q, low, high)
 
     def _fitting(self, size: int) -> LcpResult | None:
         return self._warm if self._warm is not None and len(self._warm.z) == size else None
+
+
+def _at_limits(P: Matrix, lo: Matrix, hi: Matrix) -> Matrix:
+    """P inside its limits, and on one where rounding alone keeps it off: a sliding contact must not seem to stick."""
+    margin = AT_LIMIT * (hi - lo)
+    found: Matrix = np.where(lo + margin >= P, lo, np.where(hi - margin <= P, hi, P))
+    return found
+
+
+def _compressed(M: Matrix) -> Any:
+    """A matrix in compressed rows where it is large and mostly zero."""
+    if len(M) < SPARSE_FROM or np.count_nonzero(M) > SPARSE_SHARE * M.size:
+        return M
+    from scipy.sparse import csr_array
+
+    return csr_array(M)
 
 
 def _is_redundant(G: Matrix) -> bool:

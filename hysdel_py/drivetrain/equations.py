@@ -12,14 +12,17 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from hysdel_py.drivetrain.checks import check_columns, check_directions, check_mass
 from hysdel_py.drivetrain.kernels.arrays import Inputs, Plant
+from hysdel_py.drivetrain.kernels.rows import rows_of
 from hysdel_py.drivetrain.laws import Coulomb, FrictionLaw, as_law
 from hysdel_py.drivetrain.signals import Function, PiecewiseLinear, Signal, SignalLike, as_signal, sample
+from hysdel_py.drivetrain.structure import Multiplier, delassus_of, inverse_of, multiplier
 from hysdel_py.errors import ArgumentError
 
 __all__ = ["Equations", "Gains", "Maps", "Names", "equations_from_matrices", "no_maps"]
@@ -132,29 +135,42 @@ class Equations:
     @property
     def G(self) -> Matrix:
         """``W' M^-1 W``: slip acceleration per contact torque."""
-        G: Matrix = self.W.T @ np.linalg.solve(self.M, self.W)
+        G = self.plant.G.view()
+        G.setflags(write=False)
         return G
+
+    @property
+    def mobility(self) -> Matrix:
+        """Diagonal of G, shape (nc,): what a unit of torque does to the slip of its own contact."""
+        return np.diag(self.plant.G)
 
     @property
     def linear(self) -> bool:
         """Whether the equations between two events are linear with constant coefficients."""
         return self.drag.size == 0 and len(self.maps.sizes) == 0 and not any(law.parameters[2] for law in self.laws)
 
-    @property
+    @cached_property
     def plant(self) -> Plant:
-        """The constant arrays, as the kernels take them."""
+        """The constant arrays, as the kernels take them; they are read only by agreement."""
         laws = np.array([law.parameters for law in self.laws], dtype=float).reshape(len(self.laws), 4)
-        Minv = np.linalg.inv(self.M)
-        Minv = 0.5 * (Minv + Minv.T)
+        Minv = inverse_of(self.M)
+        across = multiplier(self.W)
+        G = across(across(Minv).T)
         side = np.ascontiguousarray(np.column_stack([-self.side[:, 1], -self.side[:, 0]]))  # of lambda, not -lambda
         arrays = (
-            self.M, Minv, self.D, self.B, self.k, self.W, self.W.T @ Minv @ self.W, laws, side, self.drag_directions,
+            self.M, Minv, self.D, self.B, self.k, self.W, 0.5 * (G + G.T), laws, side, self.drag_directions,
             self.drag, self.maps.directions, self.maps.speed, self.maps.throttle, self.maps.torque,
         )  # fmt: skip
         constant = [
             np.array(a, dtype=float, order="C") for a in arrays
         ]  # copies: kernels are compiled for writable ones
-        return Plant(*constant, np.array(self.maps.sizes))  # type: ignore[call-arg]
+        return Plant(  # type: ignore[call-arg]
+            *constant,  # type: ignore[arg-type]
+            np.array(self.maps.sizes),
+            rows_of(self.D),
+            rows_of(self.B.T),
+            delassus_of(self.M, self.W),
+        )
 
     def inputs(self, t: Matrix) -> Inputs:
         """What the signals contribute at given times, arrays of shape ``t.shape + (size,)``."""
@@ -166,17 +182,26 @@ class Equations:
 
     def inputs_of(self, values: Matrix, slopes: Matrix) -> Inputs:
         """The same from values and slopes of the signals."""
-        g = self.gains
+        g = self._gain
         return Inputs(*(np.ascontiguousarray(part) for part in (
-            values @ g.force.T + slopes @ g.force_rate.T,
-            np.maximum(values @ g.pressure.T, 0.0),
-            values @ g.twist.T,
-            values @ g.slip.T,
-            slopes @ g.slip.T,
-            values @ g.throttle.T,
+            g["force"](values) + g["force_rate"](slopes),
+            np.maximum(g["pressure"](values), 0.0),
+            g["twist"](values),
+            g["slip"](values),
+            g["slip"](slopes),
+            g["throttle"](values),
         )))  # fmt: skip
 
-    @property
+    @cached_property
+    def _gain(self) -> dict[str, Multiplier]:
+        return {name: multiplier(getattr(self.gains, name).T) for name in Gains.__slots__}
+
+    @cached_property
+    def has_functions(self) -> bool:
+        """Whether an input is a function of time."""
+        return any(isinstance(signal, Function) for signal in self.signals)
+
+    @cached_property
     def _needs_slope(self) -> NDArray[np.bool_]:
         used: NDArray[np.bool_] = np.any(self.gains.shaft != 0, axis=0)
         return used
@@ -190,8 +215,7 @@ class Equations:
 
     def shaft_speeds(self, t: Matrix, u: Matrix) -> Matrix:
         """Speeds of all shafts, one row per time."""
-        speeds: Matrix = u @ self.T.T + sample(self.signals, t) @ self.gains.shaft.T
-        return speeds
+        return multiplier(self.T.T)(u) + self._gain["shaft"](sample(self.signals, t))
 
     def piecewise_linear(self) -> tuple[PiecewiseLinear, ...]:
         """The signals, all of them piecewise linear.

@@ -11,7 +11,9 @@ from numpy.typing import NDArray
 from hysdel_py.drivetrain.equations import Equations
 from hysdel_py.drivetrain.kernels.arrays import Record
 from hysdel_py.drivetrain.signals import sample
+from hysdel_py.drivetrain.structure import multiplier
 from hysdel_py.drivetrain.trajectory import ContactMode, DrivetrainTrajectory, Event
+from hysdel_py.drivetrain.undetermined import sharing_message, undetermined_torques
 
 __all__ = ["events_of_modes", "law_residuals", "trajectory_of"]
 
@@ -69,15 +71,16 @@ def trajectory_of(
         Keep each sample whose number is a multiple of it.
     """
     inputs = equations.inputs(t)
-    slips = record.speeds @ equations.W + inputs.slip
+    slips = multiplier(equations.W)(record.speeds) + inputs.slip
     if step is None:
         step = np.diff(t, prepend=t[0] - (t[1] - t[0] if len(t) > 1 else 1.0))
     residuals = law_residuals(
-        record.torques, slips, record.lower, record.upper, np.maximum(step, 1e-12)[:, None] * np.diag(equations.G)
+        record.torques, slips, record.lower, record.upper, np.maximum(step, 1e-12)[:, None] * equations.mobility
     )
-    energy = 0.5 * np.einsum("ki,ij,kj->k", record.speeds, equations.M, record.speeds)
+    energy = 0.5 * np.sum(record.speeds * multiplier(equations.M)(record.speeds), axis=1)
     energy += 0.5 * record.twists**2 @ equations.k
     keep = slice(None, None, every)
+    undetermined = undetermined_torques(equations.W, record.speeds[keep], slips[keep], record.modes[keep])
     return DrivetrainTrajectory(
         t=t[keep],
         speeds=equations.shaft_speeds(t[keep], record.speeds[keep]),
@@ -92,6 +95,7 @@ def trajectory_of(
         events=events_of_modes(t, record.modes, equations.names.contacts) if events is None else events,
         names=equations.names,
         signal_names=equations.signal_names,
-        messages=messages,
+        messages=messages + sharing_message(t[keep], undetermined, equations.names.contacts),
+        undetermined=undetermined,
         info=info or {},
     )

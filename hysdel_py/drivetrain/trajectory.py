@@ -84,6 +84,9 @@ class DrivetrainTrajectory:
     energy : array of shape (N+1,)
         Kinetic and elastic energy [J].
     inputs : array of shape (N+1, signals)
+    undetermined : bool array of shape (N+1, contacts)
+        Torques that are one choice of many: contacts that stick together share them in a way that no law decides. The
+        speeds are unique all the same.
     events : tuple of Event
     names : Names
     signal_names : tuple of str
@@ -103,6 +106,7 @@ class DrivetrainTrajectory:
     works: Matrix
     energy: Matrix
     inputs: Matrix
+    undetermined: NDArray[np.bool_]
     events: tuple[Event, ...]
     names: Names
     signal_names: tuple[str, ...]
@@ -121,6 +125,7 @@ class DrivetrainTrajectory:
             "works",
             "energy",
             "inputs",
+            "undetermined",
         ):
             array = getattr(self, name).view()
             array.setflags(write=False)

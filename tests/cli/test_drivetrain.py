@@ -4,6 +4,7 @@ import json
 
 import pytest
 
+from hysdel_py.cli import drivetrain
 from hysdel_py.cli import main as command
 from hysdel_py.drivetrain import comparison
 
@@ -38,3 +39,12 @@ def test_compare_as_json(capsys):
     assert rows["SWITCH"]["ratio"] == 1.0
     assert rows["LCPTS"]["error"] < 0.1 < rows["SWITCH"]["error"]
     assert [pair["printed"] for pair in found["pairs"]] == ["1e-3", "1e-1", "1e-1"]
+
+
+def test_what_a_run_says_stands_behind_its_line(capsys, monkeypatch):
+    said = "the torques of c1, c2 are not unique in 3 of 9 samples"
+    row = comparison.Row("SWITCH", 1e-3, 0.1, 0.2, 1.0, 4, 0.5, (said,))
+    monkeypatch.setattr(drivetrain, "compare", lambda *_, **__: comparison.Comparison("a", (row,), (), {}))
+    assert command.main(["drivetrain", "compare"]) == 0
+    (line,) = [line for line in capsys.readouterr().out.splitlines() if line.startswith("SWITCH")]
+    assert line.endswith(f"({said})")

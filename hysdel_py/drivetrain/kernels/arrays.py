@@ -7,6 +7,9 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from hysdel_py.drivetrain.kernels.delassus import Delassus
+from hysdel_py.drivetrain.kernels.rows import Rows
+
 __all__ = ["Inputs", "Plant", "Record", "empty_record"]
 
 Array = NDArray[np.float64]
@@ -16,7 +19,8 @@ class Plant(NamedTuple):
     """Constant arrays of the equations of motion; see `drivetrain.equations` for the symbols.
 
     ``laws`` holds static and dynamic coefficient, decay speed and exponent of each contact; ``side`` the lower and
-    upper limit of lambda as a share of the capacity.
+    upper limit of lambda as a share of the capacity. ``damping`` holds the rows of D, ``springs`` those of B', and
+    ``mass`` is ``W'M^-1 W``; the kernels take these, whose products cost what there are entries.
     """
 
     M: Array
@@ -35,6 +39,9 @@ class Plant(NamedTuple):
     map_throttle: Array
     map_torque: Array
     map_sizes: NDArray[np.int64]
+    damping: Rows
+    springs: Rows
+    mass: Delassus
 
 
 class Inputs(NamedTuple):

@@ -1,7 +1,7 @@
 """Rules that give the torque of every contact at one state, on acceleration level.
 
-Every rule works on the free slip acceleration ``a = W'M^-1 h + gamma0'`` and on ``G = W'M^-1 W``: with torques lambda
-the slips accelerate by ``a + G lambda``.
+Every rule works on the free slip acceleration ``a = W'M^-1 h + gamma0'`` and on the operator ``G = W'M^-1 W``: with
+torques lambda the slips accelerate by ``a + G lambda``.
 """
 
 from __future__ import annotations
@@ -107,22 +107,11 @@ def switch_torques(G, a, slip, stick, rate, index, P):
     slides along its surface where both push towards it. Their joint sign conditions are those of the box-constrained
     problem on acceleration level.
     """
-    m = len(index)
-    sub, c, lo, hi, p = np.empty((m, m)), np.empty(m), np.empty(m), np.empty(m), np.empty(m)
-    for k in range(m):
+    lo, hi = P.copy(), P.copy()  # contacts outside the band keep their torques
+    for k in range(len(index)):
         i = index[k]
-        c[k], lo[k], hi[k], p[k] = a[i], stick[0][i], stick[1][i], P[i]
-        for j in range(len(P)):
-            c[k] += G[i, j] * P[j]
-    for k in range(m):
-        for j in range(m):
-            sub[k, j] = G[index[k], index[j]]
-            c[k] -= sub[k, j] * P[index[j]]
-    solve_box(sub, c, lo, hi, p)
-    attractive = np.flatnonzero((p > lo) & (p < hi))
+        lo[i], hi[i] = stick[0][i], stick[1][i]
+    solve_box(G, a, lo, hi, P)
     if rate > 0.0:
-        for k in range(m):
-            c[k] += rate * slip[index[k]]
-        p[attractive] += free_step(sub, c, p, attractive)
-    for k in range(m):
-        P[index[k]] = min(max(p[k], lo[k]), hi[k])
+        P += stick_step(G, a + rate * slip, P, np.flatnonzero((P > lo) & (P < hi)))
+        clip(P, stick, index)

@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from hysdel_py.drivetrain.kernels.contact_rules import HELD, contact_torques
+from hysdel_py.drivetrain.kernels.delassus import pushed, respond
 from hysdel_py.drivetrain.kernels.forces import (
     drag_force,
     sliding_limits,
@@ -14,6 +15,7 @@ from hysdel_py.drivetrain.kernels.forces import (
     twist_rates,
 )
 from hysdel_py.drivetrain.kernels.mode_iteration import update_modes
+from hysdel_py.drivetrain.kernels.rows import times
 from hysdel_py.optimize.compiled import compiled
 
 __all__ = ["run"]
@@ -38,7 +40,7 @@ def run(plant, inputs, method, dt, rule, options, u, e, mode, out):
     """
     a, b, node = method
     steps = len(inputs.force) - 1
-    count = plant.W.shape[1]
+    count = len(mode)
     slide, stick = (np.zeros(count), np.zeros(count)), (np.zeros(count), np.zeros(count))
     P = np.zeros(count)
     rates = np.zeros((len(b), len(u) + len(e) + 3))
@@ -68,15 +70,16 @@ def stage(plant, inputs, k, node, u, e, rule, options, mode, slide, stick, P, ra
     n, m = len(u), len(e)
     pressure = inputs.pressure[k, node]
     sources = source_force(plant, inputs.force[k, node], inputs.throttle[k, node], u)
-    losses = plant.D @ u + drag_force(plant, u)
+    losses = times(plant.damping, u) + drag_force(plant, u)
     h = sources - losses
     spring_force(plant, e, h)
-    slip = u @ plant.W + inputs.slip[k, node]
+    slip = times(plant.mass.W, u) + inputs.slip[k, node]
     sliding_limits(plant, pressure, slip, slide[0], slide[1])
     sticking_limits(plant, pressure, stick[0], stick[1])
-    free = (plant.Minv @ h) @ plant.W + inputs.slip_rate[k, node]
-    contact_torques(plant.G, free, slip, slide, stick, rule, options, mode, P)
-    rate[:n] = plant.Minv @ (h + plant.W @ P)
+    acceleration = respond(plant.mass, h)
+    free = times(plant.mass.W, acceleration) + inputs.slip_rate[k, node]
+    contact_torques(plant.mass, free, slip, slide, stick, rule, options, mode, P)
+    rate[:n] = acceleration + pushed(plant.mass, P)
     rate[n : n + m] = twist_rates(plant, inputs.twist[k, node], u)
     rate[n + m] = np.dot(sources, u) - np.dot(P, inputs.slip[k, node])
     for i in range(m):

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from hysdel_py.drivetrain.kernels.rows import add_transposed, times
 from hysdel_py.optimize.compiled import compiled
 
 __all__ = [
@@ -41,16 +42,13 @@ def drag_force(plant, u):
 @compiled
 def spring_force(plant, e, total):
     """Subtract the forces of the springs from `total`."""
-    for i in range(len(e)):
-        torque = plant.k[i] * e[i]
-        for j in range(len(total)):
-            total[j] -= plant.B[j, i] * torque
+    add_transposed(plant.springs, -plant.k * e, total)
 
 
 @compiled
 def free_force(plant, force, throttle, u, e):
     """All forces but friction at given speeds and twists."""
-    total = source_force(plant, force, throttle, u) - plant.D @ u - drag_force(plant, u)
+    total = source_force(plant, force, throttle, u) - times(plant.damping, u) - drag_force(plant, u)
     spring_force(plant, e, total)
     return total
 
@@ -58,11 +56,7 @@ def free_force(plant, force, throttle, u, e):
 @compiled
 def twist_rates(plant, given, u):
     """Derivatives of the twists."""
-    rates = given.copy()
-    for i in range(len(rates)):
-        for j in range(len(u)):
-            rates[i] += plant.B[j, i] * u[j]
-    return rates
+    return given + times(plant.springs, u)
 
 
 @compiled

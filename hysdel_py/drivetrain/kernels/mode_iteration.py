@@ -15,7 +15,9 @@ from hysdel_py.drivetrain.kernels.contact_rules import (
     sliding_torque,
     stick_step,
 )
+from hysdel_py.drivetrain.kernels.delassus import pushed, respond, slips
 from hysdel_py.drivetrain.kernels.forces import free_force, sliding_limits, sticking_limits
+from hysdel_py.drivetrain.kernels.rows import times
 from hysdel_py.drivetrain.kernels.time_stepping import NEGATIVE, OPEN, POSITIVE, STICK
 from hysdel_py.optimize.compiled import compiled
 
@@ -30,19 +32,19 @@ def update_modes(plant, inputs, k, u, e, mode, band, first):
     """Modes at the beginning of step k; the slips of clutches that lock are set to zero in u."""
     count = len(mode)
     pressure = inputs.pressure[k, 0]
-    slip = u @ plant.W + inputs.slip[k, 0]
+    slip = times(plant.mass.W, u) + inputs.slip[k, 0]
     slide, stick = (np.zeros(count), np.zeros(count)), (np.zeros(count), np.zeros(count))
     sliding_limits(plant, pressure, slip, slide[0], slide[1])
     sticking_limits(plant, pressure, stick[0], stick[1])
     propose(slip, stick, mode, band, first)
     h = free_force(plant, inputs.force[k, 0], inputs.throttle[k, 0], u, e)
-    free = (plant.Minv @ h) @ plant.W + inputs.slip_rate[k, 0]
+    free = times(plant.mass.W, respond(plant.mass, h)) + inputs.slip_rate[k, 0]
     for _ in range(10 * count + 10):
-        if not iterate(plant.G, free, slide, stick, mode):
+        if not iterate(plant.mass, free, slide, stick, mode):
             break
     index = np.flatnonzero(mode == STICK)
     if len(index) > 0:
-        u += plant.Minv @ (plant.W @ stick_step(plant.G, slip, np.zeros(count), index))
+        u += pushed(plant.mass, stick_step(plant.mass, slip, np.zeros(count), index))
 
 
 @compiled
@@ -75,14 +77,11 @@ def iterate(G, free, slide, stick, mode):
     for i in range(count):
         P[i] = sliding_torque(mode[i], slide[0][i], slide[1][i])
     P += stick_step(G, free, P, np.flatnonzero(mode == STICK))
+    acceleration = slips(G, free, P)
     for i in range(count):
-        if mode[i] in (WAIT_POSITIVE, WAIT_NEGATIVE):
-            acceleration = free[i]
-            for j in range(count):
-                acceleration += G[i, j] * P[j]
-            if acceleration * mode[i] < 0.0:
-                mode[i] = STICK
-                return True
+        if mode[i] in (WAIT_POSITIVE, WAIT_NEGATIVE) and acceleration[i] * mode[i] < 0.0:
+            mode[i] = STICK
+            return True
     worst, excess = -1, ROUNDING
     for i in range(count):
         if mode[i] == STICK:

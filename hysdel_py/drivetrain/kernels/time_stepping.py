@@ -8,7 +8,8 @@ One step from speeds u and twists e at t to t + dt, all contact torques as impul
 
 with A = M^-1, a = b = 1/2 (J. J. Moreau, "Unilateral contact and dry friction in finite freedom dynamics", 1988)
 or A = (M + theta dt D + theta^2 dt^2 B k B')^-1, a = b = theta (M. Jean, Comput. Methods Appl. Mech. Eng. 177, 1999).
-Forces that are not linear enter at the speed extrapolated to the middle of the step.
+Forces that are not linear, and the friction of sliding contacts, enter at the speed extrapolated to the middle of the
+step.
 """
 
 from __future__ import annotations
@@ -16,6 +17,7 @@ from __future__ import annotations
 import numpy as np
 
 from hysdel_py.drivetrain.kernels.box import solve_box
+from hysdel_py.drivetrain.kernels.delassus import pushed, respond, slips
 from hysdel_py.drivetrain.kernels.forces import (
     drag_force,
     sliding_limits,
@@ -25,6 +27,7 @@ from hysdel_py.drivetrain.kernels.forces import (
     twist_rates,
 )
 from hysdel_py.drivetrain.kernels.prox import solve_prox
+from hysdel_py.drivetrain.kernels.rows import times
 from hysdel_py.optimize.compiled import compiled
 
 __all__ = [
@@ -39,14 +42,14 @@ AT_LIMIT = 1e-10
 
 
 @compiled
-def free_motion(plant, A, weight, dt, force, throttle, twist_rate, u, e, middle):
+def free_motion(plant, G, weight, dt, force, throttle, twist_rate, u, e, middle):
     """Speeds at the end of the step without friction.
 
     ``middle`` is the speed at which the forces that are not linear are taken.
     """
-    f = source_force(plant, force, throttle, middle) - plant.D @ u - drag_force(plant, middle)
+    f = source_force(plant, force, throttle, middle) - times(plant.damping, u) - drag_force(plant, middle)
     spring_force(plant, e + weight * dt * twist_rates(plant, twist_rate, u), f)
-    return u + A @ (dt * f)
+    return u + respond(G, dt * f)
 
 
 @compiled
@@ -83,18 +86,23 @@ def limits_of(plant, pressure, slip, mode, dt, lo, hi):
 
 
 @compiled
-def impulses(plant, G, c, pressure, slip, mode, dt, solver, P, lo, hi):
+def impulses(plant, G, rows, c, pressure, slip, sliding, mode, dt, solver, P, lo, hi):
     """Impulses of one step: P, lo and hi are overwritten.
+
+    Parameters
+    ----------
+    slip, sliding : arrays of shape (nc,)
+        Slips at the beginning of the step, and those at which the friction of sliding contacts is taken.
 
     Returns
     -------
     int
         Iterations, or -1 where a limit of iterations was reached.
     """
-    limits_of(plant, pressure, slip, mode, dt, lo, hi)
-    spent = solve_one(G, c, solver, dt, P, lo, hi)
+    limits_of(plant, pressure, sliding, mode, dt, lo, hi)
+    spent = solve_one(G, rows, c, solver, dt, P, lo, hi)
     if may_hold(plant, G, c, pressure, slip, mode, dt, P, lo, hi):
-        more = solve_one(G, c, solver, dt, P, lo, hi)
+        more = solve_one(G, rows, c, solver, dt, P, lo, hi)
         spent = spent + more if spent >= 0 and more >= 0 else -1
     return spent
 
@@ -106,12 +114,12 @@ def may_hold(plant, G, c, pressure, slip, mode, dt, P, lo, hi):
     Only contacts that hold more than they transmit while sliding need it: the problem is then solved again.
     """
     again = False
+    end = np.zeros(0)
     for i in range(len(c)):
         if plant.laws[i, 0] > plant.laws[i, 1] and mode[i] != STICK:
-            end = c[i]
-            for j in range(len(c)):
-                end += G[i, j] * P[j]
-            if end * slip[i] < 0.0 or (lo[i] < P[i] < hi[i]):
+            if len(end) == 0:
+                end = slips(G, c, P)
+            if end[i] * slip[i] < 0.0 or (lo[i] < P[i] < hi[i]):
                 capacity = plant.laws[i, 0] * pressure[i] * dt
                 lo[i], hi[i] = plant.side[i, 0] * capacity, plant.side[i, 1] * capacity
                 again = True
@@ -119,20 +127,23 @@ def may_hold(plant, G, c, pressure, slip, mode, dt, P, lo, hi):
 
 
 @compiled
-def solve_one(G, c, solver, dt, P, lo, hi):
+def solve_one(G, rows, c, solver, dt, P, lo, hi):
     """One contact problem by the solver that ``solver = (kind, steepness, tolerance, iterations)`` names."""
     if solver[0] == 0.0:
         return solve_box(G, c, lo, hi, P)
-    return solve_prox(G, c, lo, hi, P, solver, dt)
+    return solve_prox(G, rows, c, lo, hi, P, solver, dt)
 
 
 @compiled
-def run(plant, inputs, A, weights, dt, solver, u, e, mode, out):
+def run(plant, inputs, G, rows, weights, dt, solver, u, e, mode, out):
     """As many steps as `inputs` has rows.
 
     Parameters
     ----------
-    A : array of shape (n, n)
+    G : Delassus
+        Through the inertia matrix ``A^-1``.
+    rows : Rows
+        Of G, for the solvers that go through them.
     weights : (float, float)
         a = b, and the weight of the new speed in the damping.
     solver : (kind, steepness, tolerance, iterations)
@@ -142,22 +153,25 @@ def run(plant, inputs, A, weights, dt, solver, u, e, mode, out):
         Row k + 1 is after step k.
     """
     weight = weights[0]
-    G = plant.W.T.copy() @ (A @ plant.W)
-    count = plant.W.shape[1]
+    count = len(mode)
     P, lo, hi = np.zeros(count), np.zeros(count), np.zeros(count)
     before = u.copy()
     out.speeds[0], out.twists[0] = u, e
-    slip = u @ plant.W + inputs.slip[0]
+    slip = times(G.W, u) + inputs.slip[0]
+    slip_before = slip
     for k in range(len(inputs.force)):
         middle = 1.5 * u - 0.5 * before
-        free = free_motion(plant, A, weight, dt, inputs.force[k], inputs.throttle[k], inputs.twist[k], u, e, middle)
-        c = free @ plant.W + inputs.slip[k]
-        out.effort[k] = impulses(plant, G, c, inputs.pressure[k], slip, mode, dt, solver, P, lo, hi)
-        u1 = free + A @ (plant.W @ P)
+        free = free_motion(plant, G, weight, dt, inputs.force[k], inputs.throttle[k], inputs.twist[k], u, e, middle)
+        c = times(G.W, free) + inputs.slip[k]
+        sliding = 1.5 * slip - 0.5 * slip_before
+        out.effort[k] = impulses(
+            plant, G, rows, c, inputs.pressure[k], slip, sliding, mode, dt, solver, P, lo, hi
+        )  # fmt: skip
+        u1 = free + pushed(G, P)
         e1 = advance(plant, weight, dt, inputs.twist[k], u, e, u1)
         count_work(plant, inputs, k, weights, dt, (u, u1), (e, e1), middle, P, out.works)
         before, u, e = u, u1, e1
-        slip = u @ plant.W + inputs.slip[k]
+        slip_before, slip = slip, times(G.W, u) + inputs.slip[k]
         record(out, k + 1, u, e, P, lo, hi, mode, dt)
 
 
@@ -178,15 +192,10 @@ def count_work(plant, inputs, k, weights, dt, speeds, twists, middle, P, works):
     """Work of sources, losses and friction up to the end of step k, with the forces that the step used."""
     u, u1 = speeds
     average = 0.5 * (u + u1)
-    damping = plant.D @ (u + weights[1] * (u1 - u))
+    damping = times(plant.damping, u + weights[1] * (u1 - u))
     source = dt * np.dot(source_force(plant, inputs.force[k], inputs.throttle[k], middle), average)
-    friction = 0.0
-    for i in range(len(P)):
-        slip = inputs.slip[k, i]
-        for j in range(len(u)):
-            slip += plant.W[j, i] * average[j]
-        friction += P[i] * slip
-        source -= P[i] * inputs.slip[k, i]
+    friction = np.dot(P, times(plant.mass.W, average) + inputs.slip[k])
+    source -= np.dot(P, inputs.slip[k])
     for i in range(len(plant.k)):
         source += dt * plant.k[i] * 0.5 * (twists[0][i] + twists[1][i]) * inputs.twist[k, i]
     works[k + 1, 0] = works[k, 0] + source

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from hysdel_py.drivetrain.decomposition import ContactSolver
 from hysdel_py.drivetrain.kernels.arrays import Inputs, Plant
 from hysdel_py.drivetrain.kernels.box import free_step
+from hysdel_py.drivetrain.kernels.delassus import pushed, respond, slips
 from hysdel_py.drivetrain.kernels.forces import free_force, sliding_limits, sticking_limits
 from hysdel_py.drivetrain.kernels.time_stepping import NEGATIVE, OPEN, POSITIVE, STICK
 
@@ -54,7 +55,7 @@ def select_modes(
     found = np.where(is_open, OPEN, np.where(slip > 0, POSITIVE, NEGATIVE)).astype(np.int64)
     found[at_zero] = STICK
     u = project(plant, slip, u, np.flatnonzero(at_zero))
-    free = (plant.Minv @ free_force(plant, inputs.force, inputs.throttle, u, e)) @ plant.W + inputs.slip_rate
+    free = respond(plant.mass, free_force(plant, inputs.force, inputs.throttle, u, e)) @ plant.W + inputs.slip_rate
     candidates = np.flatnonzero(at_zero)
     for _ in range(len(candidates) + 1):
         candidates = np.flatnonzero(at_zero & (found == STICK))
@@ -70,8 +71,9 @@ def project(plant: Plant, slip: Matrix, u: Matrix, index: NDArray[np.int64]) -> 
     """Speeds after impulses that bring the slips of some contacts to zero."""
     if len(index) == 0:
         return u
-    impulses = free_step(plant.G, slip, np.zeros(len(slip)), index)
-    projected: Matrix = u + plant.Minv @ (plant.W[:, index] @ impulses)
+    impulses = np.zeros(len(slip))
+    impulses[index] = free_step(plant.mass, slip, impulses, index)
+    projected: Matrix = u + pushed(plant.mass, impulses)
     return projected
 
 
@@ -90,7 +92,7 @@ def _slipping(
         return {}
     lo, hi = _limits(plant, inputs, broken)
     torque = _sliding_torques(plant, inputs, slip, modes)
-    a = (free + plant.G @ torque)[candidates]
+    a = slips(plant.mass, free, torque)[candidates]
     G = np.ascontiguousarray(plant.G[np.ix_(candidates, candidates)])
     low, high = lo[candidates], hi[candidates]
     P = solver.in_order(G, a, low, high)

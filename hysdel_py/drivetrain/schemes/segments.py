@@ -48,7 +48,7 @@ class Segment:
     @property
     def is_linear(self) -> bool:
         """Whether all inputs are straight lines here."""
-        return not any(isinstance(signal, Function) for signal in self.equations.signals)
+        return not self.equations.has_functions
 
     def at(self, t: float) -> Inputs:
         """Inputs at a time of the interval, arrays of shape (size,)."""

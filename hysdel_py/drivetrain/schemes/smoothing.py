@@ -15,6 +15,7 @@ from hysdel_py.drivetrain.recording import trajectory_of
 from hysdel_py.drivetrain.schemes.grid import sample_times
 from hysdel_py.drivetrain.schemes.options import Smoothing, describe
 from hysdel_py.drivetrain.schemes.segments import Segment, segments
+from hysdel_py.drivetrain.schemes.smooth_jacobian import jacobian_of
 from hysdel_py.drivetrain.trajectory import DrivetrainTrajectory
 
 __all__ = ["integrate"]
@@ -84,7 +85,10 @@ def _solve(plant: Plant, segment: Segment, z: Matrix, scheme: Smoothing, wanted:
     ends = (segment.start, segment.end)
     at = None if wanted is None else np.unique(np.append(wanted, segment.end))
     max_step = np.inf if segment.is_linear else scheme.max_step
-    found = solve_ivp(rates, ends, z, method="Radau", rtol=scheme.rtol, atol=atol, t_eval=at, max_step=max_step)
+    found = solve_ivp(
+        rates, ends, z, method="Radau", rtol=scheme.rtol, atol=atol, t_eval=at, max_step=max_step,
+        jac=jacobian_of(plant, segment, float(scheme.steepness)),
+    )  # fmt: skip
     return _Answer(found, wanted)
 
 

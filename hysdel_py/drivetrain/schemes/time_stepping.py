@@ -7,15 +7,18 @@ from numpy.typing import NDArray
 
 from hysdel_py.drivetrain.equations import Equations
 from hysdel_py.drivetrain.kernels.arrays import Inputs, Plant, Record, empty_record
+from hysdel_py.drivetrain.kernels.delassus import Delassus
 from hysdel_py.drivetrain.kernels.prox import JACOBI, SEIDEL
+from hysdel_py.drivetrain.kernels.rows import rows_of
 from hysdel_py.drivetrain.kernels.time_stepping import OPEN, STICK, run
 from hysdel_py.drivetrain.recording import trajectory_of
 from hysdel_py.drivetrain.schemes.explicit_lcp import run_with_lcp
 from hysdel_py.drivetrain.schemes.grid import Grid, grid
 from hysdel_py.drivetrain.schemes.options import AugmentedLagrangian, Moreau, describe
+from hysdel_py.drivetrain.structure import delassus_of, dense_delassus, inverse_of, multiplier
 from hysdel_py.drivetrain.trajectory import DrivetrainTrajectory
 
-__all__ = ["ACTIVE_SET", "effective_inverse", "first_modes", "integrate", "weights_of"]
+__all__ = ["ACTIVE_SET", "effective_delassus", "effective_inverse", "first_modes", "integrate", "weights_of"]
 
 Matrix = NDArray[np.float64]
 
@@ -37,11 +40,13 @@ def integrate(
     record = empty_record(len(steps.t) - 1, plant)
     mode = first_modes(plant, inputs, u)
     record.modes[0] = np.where(inputs.pressure[0] > 0, mode, OPEN)
-    A, weights = effective_inverse(plant, scheme.theta, steps.dt), weights_of(scheme.theta)
+    G, weights = effective_delassus(plant, scheme.theta, steps.dt), weights_of(scheme.theta)
     if isinstance(scheme, Moreau) and scheme.solver != "active-set":
-        run_with_lcp(plant, inputs, A, weights, steps.dt, scheme, u, e, mode, record)
+        run_with_lcp(plant, inputs, G, weights, steps.dt, scheme, u, e, mode, record)
     else:
-        run(plant, inputs, A, weights, steps.dt, _solver(scheme), u, e, mode, record)
+        solver = _solver(scheme)
+        rows = rows_of(dense_delassus(G) if solver[0] == SEIDEL else np.zeros((0, 0)))
+        run(plant, inputs, G, rows, weights, steps.dt, solver, u, e, mode, record)
     return _trajectory(equations, steps, record, scheme)
 
 
@@ -60,13 +65,22 @@ def _solver(scheme: Moreau | AugmentedLagrangian) -> tuple[float, float, float, 
     return (JACOBI, float(scheme.steepness), float(scheme.tolerance), float(scheme.iterations))
 
 
+def effective_inertia(plant: Plant, theta: float, dt: float) -> Matrix:
+    """The mass matrix with damping and stiffness, in which the theta scheme is implicit."""
+    stiffness: Matrix = multiplier(plant.B.T)(plant.B * plant.k)
+    return plant.M + theta * dt * plant.D + (theta * dt) ** 2 * stiffness
+
+
 def effective_inverse(plant: Plant, theta: float | None, dt: float) -> Matrix:
     """``A``: inverse of the mass matrix, with damping and stiffness where the scheme is implicit in them."""
     if theta is None:
         return plant.Minv
-    effective = plant.M + theta * dt * plant.D + (theta * dt) ** 2 * plant.B @ (plant.k[:, None] * plant.B.T)
-    inverse = np.linalg.inv(effective)
-    return np.ascontiguousarray(0.5 * (inverse + inverse.T))
+    return inverse_of(effective_inertia(plant, theta, dt))
+
+
+def effective_delassus(plant: Plant, theta: float | None, dt: float) -> Delassus:
+    """The operator ``W'A W``."""
+    return plant.mass if theta is None else delassus_of(effective_inertia(plant, theta, dt), plant.W)
 
 
 def weights_of(theta: float | None) -> tuple[float, float]:

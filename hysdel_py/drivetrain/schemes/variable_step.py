@@ -14,12 +14,13 @@ from numpy.typing import NDArray
 
 from hysdel_py.drivetrain.equations import Equations
 from hysdel_py.drivetrain.kernels.arrays import Inputs, Plant, Record, empty_record
-from hysdel_py.drivetrain.kernels.time_stepping import STICK, run
+from hysdel_py.drivetrain.kernels.rows import rows_of
+from hysdel_py.drivetrain.kernels.time_stepping import OPEN, STICK, run
 from hysdel_py.drivetrain.recording import trajectory_of
 from hysdel_py.drivetrain.schemes.grid import sample_times
 from hysdel_py.drivetrain.schemes.options import VariableStepMoreau, describe
 from hysdel_py.drivetrain.schemes.segments import Segment, segments
-from hysdel_py.drivetrain.schemes.time_stepping import ACTIVE_SET, effective_inverse
+from hysdel_py.drivetrain.schemes.time_stepping import ACTIVE_SET, effective_delassus
 from hysdel_py.drivetrain.trajectory import DrivetrainTrajectory
 
 __all__ = ["integrate"]
@@ -70,11 +71,12 @@ def integrate(
 ) -> DrivetrainTrajectory:
     """Run the scheme from speeds u and twists e; see :meth:`Drivetrain.simulate`."""
     plant, wanted = equations.plant, sample_times(until, sample)
-    slip = u @ plant.W + equations.inputs(np.zeros(1)).slip[0]
+    first = equations.inputs(np.zeros(1))
+    slip = u @ plant.W + first.slip[0]
     modes = np.sign(np.where(np.abs(slip) <= 1e-12 * (1 + np.abs(u) @ np.abs(plant.W)), 0.0, slip)).astype(np.int64)
     state = _Run(plant, scheme, 0.0, u, e, modes, scheme.dt)
     zero = np.zeros(len(modes))
-    state.rows.append((0.0, u, e, zero, zero, zero, modes.copy(), state.works))
+    state.rows.append((0.0, u, e, zero, zero, zero, np.where(first.pressure[0] > 0, modes, OPEN), state.works))
     for segment in segments(equations, until):
         _go_through(state, segment, wanted)
     return _trajectory(equations, state)
@@ -168,8 +170,8 @@ def _steps(state: _Run, segment: Segment, dt: float, count: int) -> tuple[Record
     inputs = Inputs(*(np.stack(parts) for parts in zip(*middles, strict=True)))
     inputs = inputs._replace(slip=np.stack([end.slip for end in ends]))
     record, modes = empty_record(count, state.plant), state.modes.copy()
-    A = effective_inverse(state.plant, _THETA, dt)
-    run(state.plant, inputs, A, (_THETA, _THETA), dt, ACTIVE_SET, state.u, state.e, modes, record)
+    G, rows = effective_delassus(state.plant, _THETA, dt), rows_of(np.zeros((0, 0)))
+    run(state.plant, inputs, G, rows, (_THETA, _THETA), dt, ACTIVE_SET, state.u, state.e, modes, record)
     return record, modes
 
 
