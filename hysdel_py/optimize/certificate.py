@@ -26,7 +26,7 @@ from numpy.typing import NDArray
 
 from hysdel_py.optimize.qp import Qp
 
-__all__ = ["Certifier", "dual_bound", "farkas_bound", "spare_curvature"]
+__all__ = ["Certifier", "diagonal_curvature", "dual_bound", "farkas_bound", "spare_curvature"]
 
 Vector = NDArray[np.float64]
 UNIT_ROUNDOFF = float(np.finfo(float).eps)
@@ -134,6 +134,15 @@ def spare_curvature(qp: Qp, free: NDArray[np.bool_], share: float = 0.5) -> Vect
     curvature = np.where(free, share * least, 0.0)
     if least <= 100 * noise or np.linalg.eigvalsh(P - np.diag(curvature))[0] < -10 * noise:
         return None
+    return curvature
+
+
+def diagonal_curvature(P: Any) -> Vector:
+    """Curvature c >= 0 of single variables such that P - diag(c) is diagonally dominant, so positive semidefinite."""
+    diagonal = P.diagonal()
+    others = np.asarray(abs(P).sum(axis=0)).ravel() - np.abs(diagonal)
+    noise = (len(diagonal) + 2) * UNIT_ROUNDOFF * (np.abs(diagonal) + others)
+    curvature: Vector = np.maximum(0.0, diagonal - others - noise)
     return curvature
 
 
