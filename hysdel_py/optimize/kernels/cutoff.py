@@ -97,10 +97,9 @@ def least_of_term(reduced, radius, curvature, x, low, high):
         if curvature == 0.0:
             return least_term(reduced, radius, low, high)
         return reduced * x - radius * abs(x) - 0.5 * (abs(reduced) + radius) ** 2 / curvature
+    v = low if reduced > 0.0 else high
     if curvature > 0.0:
         v = min(max(x - reduced / curvature, low), high)
-    else:
-        v = low if reduced > 0.0 else high
     return reduced * v + 0.5 * curvature * (v - x) ** 2 - radius * far
 
 

@@ -1,16 +1,16 @@
 """Both values of each binary, tried by propagation: what they say of the bounds of all variables and of the rows.
 
-Each binary d that is open is fixed at 0 and at 1. What one value contradicts fixes d at the other; what both bounds of a
-variable allow is all that it can have. And a row ``a'x + c d <= u``, whose other terms are at most U0 beside d = 0 and U1
-beside d = 1, may become
+Each binary d that is open is fixed at 0 and at 1. A contradiction at one value fixes d at the other; what neither value
+leaves to a variable it cannot have. And a row ``a'x + c d <= u``, whose other terms are at most U0 beside d = 0 and at
+most U1 beside d = 1, may become
 
     a'x + (V0 - V1) d <= V0,   V0 = min(u, U0),   V1 = min(u - c, U1),
 
-which says the same where d is 0 or 1 and more in between: the big-M constants of a stage become those of the values that
-are possible there.
+which says the same where d is 0 or 1 and more in between: the big-M constants of a stage become those of the values
+that are possible there.
 
-Source: M. W. P. Savelsbergh, "Preprocessing and probing techniques for mixed integer programming problems", ORSA Journal
-on Computing 6, 1994.
+Source: M. W. P. Savelsbergh, "Preprocessing and probing techniques for mixed integer programming problems", ORSA
+Journal on Computing 6, 1994.
 """
 
 from __future__ import annotations

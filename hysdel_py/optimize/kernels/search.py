@@ -113,8 +113,8 @@ def run(data, tree, state, settings, slice_):
         See :mod:`hysdel_py.optimize.kernels.tree`.
     state : (x, numbers, counters, box, relaxed, words, root, active, pending, top)
         Incumbent; numbers and counters; box and relaxed point of the node at hand; words that were guessed, as
-        numbers; bounds of the whole problem, propagated and narrowed by the cost, and active inequalities there; words to be
-        tried; point and multipliers of the relaxation of the whole problem, not numbers before there is one.
+        numbers; bounds of the whole problem, propagated and narrowed by the cost, and active inequalities there; words
+        to be tried; point and multipliers of the relaxation of the whole problem, not numbers before there is one.
     settings : (gaps, solver, propagation, feasibility, integrality, rounding)
         `gaps` is (absolute, relative).
     slice_ : int
