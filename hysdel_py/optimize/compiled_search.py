@@ -65,7 +65,7 @@ class Workspace:
             (float(s.gap_abs), float(s.gap_rel)),
             (float(d.tolerance), int(d.iterations), float(d.proximity), int(d.rounds), int(d.largest)),
             (float(p.margin), float(p.integrality), float(p.progress), float(p.huge), int(p.rounds)),
-            float(s.feasibility), float(s.integrality), int(s.rounding),
+            float(s.feasibility), float(s.integrality), int(s.rounding), int(s.probing), bool(s.narrowing),
         )  # fmt: skip
 
     def data(self, qp: Qp, curvature: Vector | None) -> tuple[Any, ...]:

@@ -15,7 +15,7 @@ from hysdel_py.optimize.kernels.guessing import fix_word, follow, queue_rows
 from hysdel_py.optimize.kernels.judging import BOUND, FLOOR, OBJECTIVE, judge, worthwhile
 from hysdel_py.optimize.kernels.node import BEATEN, EMPTY, SOLVED, middle, value_at
 from hysdel_py.optimize.kernels.propagation import propagate
-from hysdel_py.optimize.kernels.strengthening import PROBE_AFTER, meet, narrow, narrow_root, strengthen
+from hysdel_py.optimize.kernels.strengthening import NEVER, meet, narrow, narrow_root, strengthen
 from hysdel_py.optimize.kernels.tree import (
     ACTIVE,
     DEPTH,
@@ -62,7 +62,7 @@ def start(data, tree, state, settings, guess):
     numbers, counters, root = state[1], state[2], state[6]
     numbers[OBJECTIVE] = numbers[FLOOR] = np.inf
     counters[:] = 0
-    counters[PROBING] = PROBE_AFTER
+    counters[PROBING] = settings[6] if settings[6] > 0 else NEVER
     state[9][0][:] = np.nan
     if not open_root(data, root, settings):
         return False
@@ -115,7 +115,7 @@ def run(data, tree, state, settings, slice_):
         Incumbent; numbers and counters; box and relaxed point of the node at hand; words that were guessed, as
         numbers; bounds of the whole problem, propagated and narrowed by the cost, and active inequalities there; words
         to be tried; point and multipliers of the relaxation of the whole problem, not numbers before there is one.
-    settings : (gaps, solver, propagation, feasibility, integrality, rounding)
+    settings : (gaps, solver, propagation, feasibility, integrality, rounding, probing, narrowing)
         `gaps` is (absolute, relative).
     slice_ : int
         Largest number of nodes.

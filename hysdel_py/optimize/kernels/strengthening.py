@@ -16,17 +16,19 @@ from hysdel_py.optimize.kernels.node import EMPTY, SOLVED, middle
 from hysdel_py.optimize.kernels.probing import probe
 from hysdel_py.optimize.kernels.tree import ACTIVE, NARROWED, OPEN, PENDING, PROBING
 
-__all__ = ["PROBE_AFTER", "meet", "narrow", "narrow_root", "strengthen"]
+__all__ = ["NEVER", "meet", "narrow", "narrow_root", "strengthen"]
 
 PART = 0.99
 """Share of the gap by which a point has to be better to lie in a narrowed box: a little less than all of it, so that
 what was taken away stays within the gap in spite of rounding."""
-PROBE_AFTER, PROBE_AGAIN = 8, 4
-"""Nodes before the whole problem is probed, and the factor to the next time."""
+NEVER = 2**62
+"""Number of nodes that is not reached."""
+PROBE_AGAIN = 4
+"""Factor from the number of nodes at one probing to that at the next."""
 PROBES = 3
 """Largest number of rounds of one probing."""
 WORTH_A_ROUND = 1e-3
-"""Share of the distance between bound and incumbent that a round has to bring for another one."""
+"""Share of itself by which a round has to raise the bound for another one."""
 
 
 @compiled
@@ -36,7 +38,7 @@ def narrow(data, box, w, y, state, settings):
     What is taken away is not worth less than that, and this becomes the bound of the parts that are done.
     """
     numbers, counters = state[1], state[2]
-    if numbers[OBJECTIVE] == np.inf or np.isnan(w[0]):
+    if not settings[7] or numbers[OBJECTIVE] == np.inf or np.isnan(w[0]):
         return True
     enough = numbers[OBJECTIVE] - PART * (numbers[OBJECTIVE] - worthwhile(numbers, settings[0]))
     bound, moved, left = narrow_by_cost(data, box, w, y, enough, settings[2])
@@ -87,7 +89,7 @@ def strengthen(data, tree, state, settings):
         raise_bounds(tree, counters, bound)
         top[0][:], top[1][:] = w, y
         narrow_root(data, state, settings)
-        if counters[OPEN] == 0 or bound < before + WORTH_A_ROUND * (numbers[OBJECTIVE] - bound):
+        if counters[OPEN] == 0 or not bound > before + WORTH_A_ROUND * abs(bound):
             return None
         before = bound
     return None
