@@ -4,9 +4,10 @@
 
 The programs are those that ``loops.py`` meets at some steps, the clutch shortly before lock-up. The first table is
 about searches without a plan from before: nodes and milliseconds with means of the solver switched off; a + says that
-the limit of nodes was reached. The second is about the relaxation of the whole problem: which share of the distance from
-its plain bound to the optimum each means closes, each in addition to those left of it; the last one begins again at the
-changed rows and has the optimum as its incumbent. Read ratios: all columns come from one run.
+there is no proof, since the limit of nodes was reached. The second is about the relaxation of the whole problem: which
+share of the distance from its plain bound to the optimum each means closes, each in addition to those left of it; the
+last one begins again at the changed rows and has the optimum as its incumbent. Read ratios: all columns come from one
+run.
 """
 
 from __future__ import annotations
