@@ -26,7 +26,7 @@ from numpy.typing import NDArray
 
 from hysdel_py.optimize.qp import Qp
 
-__all__ = ["Certifier", "dual_bound", "farkas_bound", "spare_curvature"]
+__all__ = ["Certifier", "diagonal_curvature", "dual_bound", "farkas_bound", "spare_curvature"]
 
 Vector = NDArray[np.float64]
 UNIT_ROUNDOFF = float(np.finfo(float).eps)
@@ -135,6 +135,29 @@ def spare_curvature(qp: Qp, free: NDArray[np.bool_], share: float = 0.5) -> Vect
     if least <= 100 * noise or np.linalg.eigvalsh(P - np.diag(curvature))[0] < -10 * noise:
         return None
     return curvature
+
+
+def diagonal_curvature(P: Any) -> Vector:
+    """Curvature c >= 0 of single variables such that P - diag(c) stays positive semidefinite.
+
+    Variables that P does not couple with each other are apart; of each coupled group all get its least eigenvalue.
+    """
+    from scipy.sparse import csr_array
+    from scipy.sparse.csgraph import connected_components
+
+    rows = csr_array(P)
+    curvature: Vector = np.maximum(0.0, rows.diagonal())
+    _, group = connected_components(rows, directed=False)
+    for number in np.flatnonzero(np.bincount(group) > 1):
+        members = np.flatnonzero(group == number)
+        curvature[members] = _least_eigenvalue(rows[members][:, members].toarray())
+    return curvature
+
+
+def _least_eigenvalue(block: NDArray[np.float64]) -> float:
+    """Least eigenvalue less its possible error, or 0."""
+    noise = 10 * len(block) * UNIT_ROUNDOFF * float(np.abs(block).max())
+    return max(0.0, float(np.linalg.eigvalsh(block)[0]) - noise)
 
 
 def usable_multipliers(y: Vector, l: Vector, u: Vector) -> Vector:  # noqa: E741

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from hysdel_py.optimize.certificate import UNIT_ROUNDOFF
+from hysdel_py.optimize.certificate import UNIT_ROUNDOFF, diagonal_curvature
 from hysdel_py.optimize.compiled import kernels_are_compiled
 from hysdel_py.optimize.dense import NO_GUESS, DenseSolver
 from hysdel_py.optimize.mixed_integer import Miqp, MiqpResult, MiqpSettings, NodeFate, NodeRecord, SearchInfo
@@ -51,28 +51,41 @@ class Workspace:
         self.dense, self.columns = dense, columns
         self.binaries, self.priorities = miqp.binaries.astype(np.int64), np.array(miqp.priorities, dtype=float)
         self.decisions = _decisions(miqp)
+        self.spare = diagonal_curvature(miqp.qp.P)
         self.rounding = 2 * (n + m + 8) * UNIT_ROUNDOFF
         self.tree = _room(ROOM, n, min(n, dense.settings.largest))
         self.state = (
             np.zeros(n), np.zeros(3), np.zeros(COUNTERS, dtype=np.int64), (np.zeros(n), np.zeros(n)),
             np.full(n, np.nan), np.zeros(WORDS, dtype=np.int64), (np.zeros(n), np.zeros(n)),
             np.zeros((n, 2), dtype=np.int64), np.zeros((WORDS, len(self.binaries))),
+            (np.zeros(n), np.zeros(m)),
         )  # fmt: skip
         s, d, p = settings, dense.settings, settings.propagation
         self.settings = (
             (float(s.gap_abs), float(s.gap_rel)),
             (float(d.tolerance), int(d.iterations), float(d.proximity), int(d.rounds), int(d.largest)),
             (float(p.margin), float(p.integrality), float(p.progress), float(p.huge), int(p.rounds)),
-            float(s.feasibility), float(s.integrality), int(s.rounding),
+            float(s.feasibility), float(s.integrality), int(s.rounding), int(s.probing), bool(s.narrowing),
         )  # fmt: skip
 
     def data(self, qp: Qp, curvature: Vector | None) -> tuple[Any, ...]:
         """What the kernels are told of a problem with these matrices."""
         d = self.dense
         q, l, u, lb, ub = (np.array(vector) for vector in (qp.q, qp.l, qp.u, qp.lb, qp.ub))  # noqa: E741
-        problem = (d.P, q, d.rows, l, u, d.integer)
+        rows = (*d.rows[:2], d.rows[2].copy())  # probing changes them
+        problem = (d.P, q, rows, l, u, d.integer)
         known = (float(qp.constant), np.zeros(qp.n) if curvature is None else np.array(curvature), self.rounding)
-        return problem, d.groups, self.columns, (lb, ub), self.decisions, self.binaries, self.priorities, known
+        return (
+            problem,
+            d.groups,
+            self.columns,
+            (lb, ub),
+            self.decisions,
+            self.binaries,
+            self.priorities,
+            known,
+            self.spare,
+        )
 
     def grow(self) -> None:
         """Make room for twice as many nodes."""

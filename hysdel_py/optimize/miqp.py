@@ -21,6 +21,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from hysdel_py.errors import ArgumentError
 from hysdel_py.optimize.backends.registry import get_backend
+from hysdel_py.optimize.binary_squares import without_binary_squares
 from hysdel_py.optimize.compiled import kernels_are_compiled
 from hysdel_py.optimize.compiled_propagation import CompiledPropagator, propagator
 from hysdel_py.optimize.compiled_search import CompiledSearch, Hints, Workspace
@@ -55,18 +56,18 @@ class MiqpSolver:
     def __init__(self, miqp: Miqp, settings: MiqpSettings | None = None) -> None:
         self.miqp = miqp
         self.settings = settings or MiqpSettings()
+        self.program, self._shift = without_binary_squares(miqp)
         get_backend(self.settings.solver, self.settings.qp)
-        self.verified = VerifiedSolver(
-            miqp.qp, self.settings.solver, self.settings.qp, dense=dense_solver(miqp, self.settings.backend)
-        )
+        dense = dense_solver(self.program, self.settings.backend)
+        self.verified = VerifiedSolver(self.program.qp, self.settings.solver, self.settings.qp, dense=dense)
         self.propagator = propagator(miqp.qp.A, miqp.binaries, self.settings.propagation)
         self.guesser = Guesser.of(miqp, self.propagator)
         self.workspace: Workspace | None = None
         if self.verified.dense is not None:
             columns = CompiledPropagator(miqp.qp.A, miqp.binaries, self.settings.propagation).columns
-            self.workspace = Workspace(miqp, self.settings, self.verified.dense, columns)
+            self.workspace = Workspace(self.program, self.settings, self.verified.dense, columns)
             if kernels_are_compiled():
-                CompiledSearch(self, self._problem(miqp.qp), perf_counter(), None, None).rehearse()
+                CompiledSearch(self, self._problem(self.program.qp), perf_counter(), None, None).rehearse()
 
     def solve(
         self,
@@ -119,7 +120,9 @@ class MiqpSolver:
             A vector of the wrong shape, also one that the heuristic gave.
         """
         start = perf_counter()
-        qp = self._problem(self.miqp.qp.with_vectors(q, l=l, u=u, lb=lb, ub=ub, constant=constant))
+        qp = self._problem(self.program.qp.with_vectors(q, l=l, u=u, lb=lb, ub=ub, constant=constant))
+        if q is not None and self._shift.any():
+            qp = qp.with_vectors(qp.q + self._shift)
         if self.workspace is not None:
             hints = Hints(floor, self._guess(incumbent), None if point is None else np.asarray(point), active)
             return CompiledSearch(self, qp, start, heuristic, progress).run(hints)

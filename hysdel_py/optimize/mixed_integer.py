@@ -93,6 +93,11 @@ class MiqpSettings:
         Number of nodes.
     rounding : int
         Depth between two calls of the rounding heuristics; 0 switches them off.
+    probing : int
+        Nodes after which both values of every open binary are tried in the whole problem, and again after four times
+        as many; 0 for never. Only the dense kernels probe.
+    narrowing : bool
+        Whether bounds of variables follow from the value of the incumbent. Only the dense kernels do that.
     qp : QpSettings
     propagation : PropagationSettings
     """
@@ -105,11 +110,13 @@ class MiqpSettings:
     time_limit: float = inf
     node_limit: int = 1_000_000
     rounding: int = 4
+    probing: int = 8
+    narrowing: bool = True
     qp: QpSettings = field(default_factory=QpSettings)
     propagation: PropagationSettings = field(default_factory=PropagationSettings)
 
     def __post_init__(self) -> None:
-        for name in ("gap_abs", "gap_rel", "time_limit", "node_limit", "rounding"):
+        for name in ("gap_abs", "gap_rel", "time_limit", "node_limit", "rounding", "probing"):
             if not (isinstance(getattr(self, name), Real) and getattr(self, name) >= 0):
                 raise ArgumentError(f"{name} is {getattr(self, name)!r}: a number that is not negative was expected")
         for name in ("integrality", "feasibility"):

@@ -19,7 +19,7 @@ import numpy as np
 from hysdel_py.optimize.compiled import compiled, leaf
 from hysdel_py.optimize.kernels.linear import add_multiple, dot, square
 
-__all__ = ["BEATEN", "EMPTY", "LIMIT", "SOLVED", "inverse_factor", "solve", "start_from", "work_space"]
+__all__ = ["BEATEN", "EMPTY", "LIMIT", "SOLVED", "inverse_factor", "nonzeros", "solve", "start_from", "work_space"]
 
 SOLVED, EMPTY, BEATEN, LIMIT = 0, 1, 2, 3
 
@@ -60,13 +60,32 @@ def work_space(J):
 
 
 @compiled
-def solve(N, b, f, work, cutoff, settings):
+def nonzeros(N):
+    """Rows in compressed form: where each starts, columns and values. Most rows of a node have a few entries only."""
+    start = np.zeros(len(N) + 1, dtype=np.int64)
+    for row in range(len(N)):
+        start[row + 1] = start[row]
+        for a in N[row]:
+            if a != 0.0:
+                start[row + 1] += 1
+    column, value = np.empty(start[-1], dtype=np.int64), np.empty(start[-1])
+    at = 0
+    for row in range(len(N)):
+        for j in range(N.shape[1]):
+            if N[row, j] != 0.0:
+                column[at], value[at] = j, N[row, j]
+                at += 1
+    return start, column, value
+
+
+@compiled
+def solve(rows, b, f, work, cutoff, settings):
     """Run from the active set of the work space.
 
     Parameters
     ----------
-    N : array of shape (m, n)
-        Rows of unit length.
+    rows : (start, column, value)
+        Rows of unit length, compressed; see :func:`nonzeros`.
     b : array of shape (m,)
     f : array of shape (n,)
     work : (J, R, active, u, count, v)
@@ -87,7 +106,7 @@ def solve(N, b, f, work, cutoff, settings):
     minimise_over_active(b, f, work)
     iterations = 0
     while True:
-        row = most_violated(N, b, v, settings[0])
+        row = most_violated(rows, b, v, settings[0])
         if row < 0:
             return SOLVED, iterations, -1
         if dual_value(v, f, b, work) >= cutoff:
@@ -97,15 +116,15 @@ def solve(N, b, f, work, cutoff, settings):
             iterations += 1
             if iterations > settings[1]:
                 return LIMIT, iterations, -1
-            directions(N[row], work, d, z, r)
+            directions(row, rows, work, d, z, r)
             curvature = square(d, work[4][0])
             partial, leaving = longest_dual_step(r, work)
             full = np.inf
             if curvature > DEPENDENT * DEPENDENT * square(d, 0):
-                full = (b[row] - dot(N[row], v)) / curvature
+                full = (b[row] - product(row, rows, v)) / curvature
             step = min(partial, full)
             if step == np.inf:
-                if b[row] - dot(N[row], v) <= SLIGHT * (1.0 + abs(b[row])):
+                if b[row] - product(row, rows, v) <= SLIGHT * (1.0 + abs(b[row])):
                     return SOLVED, iterations, -1
                 for i in range(work[4][0]):
                     multipliers[i] = -r[i]
@@ -122,11 +141,21 @@ def solve(N, b, f, work, cutoff, settings):
 
 
 @leaf
-def most_violated(N, b, v, tolerance):
+def product(row, rows, v):
+    """Inner product of a row and a vector."""
+    start, column, value = rows
+    total = 0.0
+    for at in range(start[row], start[row + 1]):
+        total += value[at] * v[column[at]]
+    return total
+
+
+@leaf
+def most_violated(rows, b, v, tolerance):
     """Row that is missed by most, -1 if all hold."""
     worst, at = tolerance, -1
     for row in range(len(b)):
-        missing = b[row] - dot(N[row], v)
+        missing = b[row] - product(row, rows, v)
         if missing > worst * (1.0 + abs(b[row])):
             worst, at = missing / (1.0 + abs(b[row])), row
     return at
@@ -142,12 +171,12 @@ def dual_value(v, f, b, work):
 
 
 @leaf
-def directions(normal, work, d, z, r):
-    """Write ``d = J'normal``, the primal direction ``J2 d2`` and the dual one ``R^-1 d1``."""
+def directions(row, rows, work, d, z, r):
+    """Write ``d = J'normal`` for the normal of a row, the primal direction ``J2 d2`` and the dual one ``R^-1 d1``."""
     J, R, count = work[0], work[1], work[4][0]
     z[:] = 0.0
-    for j in range(len(normal)):
-        d[j] = dot(J[j], normal)
+    for j in range(len(d)):
+        d[j] = product(row, rows, J[j])
         if j >= count:
             add_multiple(z, d[j], J[j])
     solve_upper(R, d, r, count)

@@ -10,7 +10,7 @@ import numpy as np
 
 from hysdel_py.optimize.compiled import compiled, leaf
 
-__all__ = ["bound_below", "excess", "farkas_bound"]
+__all__ = ["bound_below", "combine", "excess", "farkas_bound", "least_term", "tangent"]
 
 
 @compiled
@@ -27,19 +27,10 @@ def bound_below(problem, box, x, y, known):
         and of the sums over it.
     """
     constant, curvature, rounding = known
-    (start, column, value), q = problem[0], problem[1]
-    n = len(q)
+    n = len(problem[1])
     reduced, noise = np.empty(n), np.empty(n)
-    square, size = 0.0, abs(constant)
-    for i in range(n):
-        Px = Pabs = 0.0
-        for at in range(start[i], start[i + 1]):
-            term = value[at] * x[column[at]]
-            Px += term
-            Pabs += abs(term)
-        square += x[i] * Px
-        size += 0.5 * abs(x[i]) * Pabs
-        reduced[i], noise[i] = Px + q[i], Pabs + abs(q[i])
+    square, size = tangent(problem, x, reduced, noise)
+    size += abs(constant)
     most, scale = combine(problem, y, reduced, noise)
     total = constant - 0.5 * square - most
     for i in range(n):
@@ -51,6 +42,23 @@ def bound_below(problem, box, x, y, known):
             total += least_term(reduced[i], rounding * noise[i], box[0][i], box[1][i])
     total -= rounding * (size + scale)
     return total if not np.isnan(total) else -np.inf
+
+
+@leaf
+def tangent(problem, x, reduced, noise):
+    """Write ``P x + q`` and the sum of its absolute terms; returns ``x'P x`` and the size of half of it."""
+    (start, column, value), q = problem[0], problem[1]
+    square = size = 0.0
+    for i in range(len(q)):
+        Px = Pabs = 0.0
+        for at in range(start[i], start[i + 1]):
+            term = value[at] * x[column[at]]
+            Px += term
+            Pabs += abs(term)
+        square += x[i] * Px
+        size += 0.5 * abs(x[i]) * Pabs
+        reduced[i], noise[i] = Px + q[i], Pabs + abs(q[i])
+    return square, size
 
 
 @compiled

@@ -8,12 +8,12 @@ from hysdel_py.optimize.compiled import compiled, leaf
 from hysdel_py.optimize.kernels import active_set
 from hysdel_py.optimize.kernels.certificate import bound_below
 from hysdel_py.optimize.kernels.condensing import condense, lift_multipliers
-from hysdel_py.optimize.kernels.linear import dot, square
+from hysdel_py.optimize.kernels.linear import dot
 
 __all__ = ["solve_node"]
 
-inverse_factor, solve, start_from = active_set.inverse_factor, active_set.solve, active_set.start_from
-work_space = active_set.work_space
+inverse_factor, nonzeros, work_space = active_set.inverse_factor, active_set.nonzeros, active_set.work_space
+solve, start_from = active_set.solve, active_set.start_from
 SOLVED, EMPTY, BEATEN, LIMIT = active_set.SOLVED, active_set.EMPTY, active_set.BEATEN, active_set.LIMIT
 TOO_LARGE = 4
 """Status of a node with more free variables than wanted."""
@@ -40,7 +40,8 @@ def solve_node(problem, groups, box, wide, guess, cutoff, settings):
         The solution may stop once a bound reaches `value`, which :func:`bound_below` has to confirm with the rest;
         infinite for a solution.
     settings : (tolerance, iterations, proximity, rounds, largest)
-        `proximity` is the weight of the proximal term relative to the typical diagonal entry of the Hessian.
+        `proximity` is the weight of the proximal term relative to the typical diagonal entry of the Hessian, both with
+        variables measured by the widths of their bounds in the problem.
 
     Returns
     -------
@@ -54,31 +55,48 @@ def solve_node(problem, groups, box, wide, guess, cutoff, settings):
     m = len(problem[3])
     if k > settings[4]:
         return TOO_LARGE, 0, z0, np.zeros(m), np.zeros((0, 2), dtype=np.int64)
-    scale = typical_curvature(H)
-    rho = settings[2] * scale
+    unit = units(condensed[10], wide, k)
+    scale = typical_curvature(H, unit)
+    rho = np.empty(k)
     for i in range(k):
-        H[i, i] += rho
+        rho[i] = settings[2] * scale / (unit[i] * unit[i])
+        H[i, i] += rho[i]
     J, sound = inverse_factor(H)
     if not sound:
         return LIMIT, 0, z0, np.zeros(m), np.zeros((0, 2), dtype=np.int64)
     work = work_space(J)
     start_from(places_of(guess[0], source, m, len(Z)), N, work)
+    rows = nonzeros(N)
     centre = centre_in(condensed[10], box, guess[1], k)
     iterations = 0
     if cutoff[0] < np.inf:
-        target = cutoff[0] - value_at(problem, z0) - cutoff[1] - 0.5 * rho * square(centre, 0)
-        status, iterations, row = solve(N, b, f - rho * centre, work, target, settings[:2])
+        target = cutoff[0] - value_at(problem, z0) - cutoff[1] - 0.5 * dot(rho * centre, centre)
+        status, iterations, row = solve(rows, b, f - rho * centre, work, target, settings[:2])
         if status == BEATEN:
             w, y = lifted(problem, groups, condensed, work, status, row)
             if bound_below(problem, box, w, y, cutoff[1:]) >= cutoff[0]:
                 return BEATEN, iterations, w, y, source[work[2][: work[4][0]]]
-    status, count, row = approach(N, b, f, work, centre, (rho, scale), settings)
+    status, count, row = approach(rows, b, f, work, centre, (rho, unit), settings)
     w, y = lifted(problem, groups, condensed, work, status, row)
     return status, iterations + count, w, y, source[work[2][: work[4][0]]]
 
 
+@compiled
+def units(place, wide, k):
+    """Units in which the free variables are measured: the widths of their bounds in the problem, 1 without any.
+
+    A flow of some litres per second beside a level in metres would otherwise get a proximal term of the wrong size.
+    """
+    unit = np.ones(k)
+    for j in range(len(place)):
+        if place[j] >= 0:
+            width = wide[1][j] - wide[0][j]
+            unit[place[j]] = width if 0.0 < width < np.inf else 1.0
+    return unit
+
+
 @leaf
-def typical_curvature(H):
+def typical_curvature(H, unit):
     """Geometric mean of the diagonal entries that are not negligible.
 
     The greatest one would not do: beside the price of a slack all other curvature is small, and a proximal term of its
@@ -86,30 +104,31 @@ def typical_curvature(H):
     """
     greatest = 0.0
     for i in range(len(H)):
-        greatest = max(greatest, H[i, i])
+        greatest = max(greatest, H[i, i] * unit[i] * unit[i])
     total, count = 0.0, 0
     for i in range(len(H)):
-        if H[i, i] > FLAT * greatest:
-            total += np.log(H[i, i])
+        curvature = H[i, i] * unit[i] * unit[i]
+        if curvature > FLAT * greatest:
+            total += np.log(curvature)
             count += 1
     return max(np.exp(total / count), LEAST_SCALE) if count else LEAST_SCALE
 
 
 @compiled
-def approach(N, b, f, work, centre, weights, settings):
+def approach(rows, b, f, work, centre, weights, settings):
     """Proximal steps, whose centre follows the solution until it does not move; changes `centre` and `work`."""
-    rho, scale = weights
+    rho, unit = weights
     status, iterations, row, moved = LIMIT, 0, -1, 0.0
     for _ in range(settings[3]):
-        status, count, row = solve(N, b, f - rho * centre, work, np.inf, settings[:2])
+        status, count, row = solve(rows, b, f - rho * centre, work, np.inf, settings[:2])
         iterations += count
         moved = 0.0
         for i in range(len(f)):
-            moved = max(moved, abs(work[5][i] - centre[i]))
+            moved = max(moved, abs(work[5][i] - centre[i]) / unit[i])
             centre[i] = work[5][i]
-        if status != SOLVED or rho * moved <= settings[0] * scale:
+        if status != SOLVED or settings[2] * moved <= settings[0]:
             break
-    if status == SOLVED and rho * moved > ASTRAY * scale:
+    if status == SOLVED and settings[2] * moved > ASTRAY:
         status = LIMIT
     return status, iterations, row
 

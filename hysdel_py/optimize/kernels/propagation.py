@@ -10,7 +10,7 @@ import numpy as np
 
 from hysdel_py.optimize.compiled import compiled, leaf
 
-__all__ = ["propagate"]
+__all__ = ["noise_of", "propagate"]
 
 ROUNDOFF = 2.0 * float(np.finfo(np.float64).eps)
 
@@ -97,7 +97,7 @@ def tighten(column, value, lower, upper, lb, ub, integer, moved, settings):
             low += a * most
             high += a * least
         size += abs(a) * min(max(abs(least), abs(most)), huge)
-    noise = margin + ROUNDOFF * (len(column) + 4) * size
+    noise = noise_of(size, len(column), margin)
     if lower > -np.inf:
         lower -= noise + margin * abs(lower)
     if upper < np.inf:
@@ -110,6 +110,12 @@ def tighten(column, value, lower, upper, lb, ub, integer, moved, settings):
     if low < lower:
         count = use_side(column, value, -1.0, -lower, lb, ub, integer, moved, count, settings)
     return count
+
+
+@leaf
+def noise_of(size, count, margin):
+    """By how much a sum of so many terms of that size together may be wrong, and the margin."""
+    return margin + ROUNDOFF * (count + 4) * size
 
 
 @leaf

@@ -10,20 +10,23 @@ from __future__ import annotations
 import numpy as np
 
 from hysdel_py.optimize.compiled import compiled, leaf
-from hysdel_py.optimize.kernels.certificate import bound_below, excess, farkas_bound
+from hysdel_py.optimize.kernels.certificate import excess
 from hysdel_py.optimize.kernels.guessing import fix_word, follow, queue_rows
-from hysdel_py.optimize.kernels.node import BEATEN, EMPTY, SOLVED, middle, solve_node, value_at
+from hysdel_py.optimize.kernels.judging import BOUND, FLOOR, OBJECTIVE, judge, worthwhile
+from hysdel_py.optimize.kernels.node import BEATEN, EMPTY, SOLVED, middle, value_at
 from hysdel_py.optimize.kernels.propagation import propagate
+from hysdel_py.optimize.kernels.strengthening import NEVER, meet, narrow, narrow_root, strengthen
 from hysdel_py.optimize.kernels.tree import (
     ACTIVE,
     DEPTH,
     DIVE,
     FATE,
     LAST,
+    NARROWED,
     NODES,
     OPEN,
     PENDING,
-    SOLVES,
+    PROBING,
     WAY,
     WORDS,
     push,
@@ -40,8 +43,6 @@ CALM, PAUSED, FULL, HELP = 0, 1, 2, 3
 """Why a slice ended: no open node, its nodes are used up, no room for two more, a node that needs other means."""
 SPLIT, CUT_OFF, INFEASIBLE, LEAF = 0, 1, 2, 3
 """What became of a node."""
-OBJECTIVE, FLOOR, BOUND = 0, 1, 2
-"""Numbers: value of the incumbent, least bound of the parts that are done, bound of the node at hand."""
 
 MODULUS = 2**61 - 1
 """Words of binaries are told apart by their values as numbers modulo this."""
@@ -61,6 +62,8 @@ def start(data, tree, state, settings, guess):
     numbers, counters, root = state[1], state[2], state[6]
     numbers[OBJECTIVE] = numbers[FLOOR] = np.inf
     counters[:] = 0
+    counters[PROBING] = settings[6] if settings[6] > 0 else NEVER
+    state[9][0][:] = np.nan
     if not open_root(data, root, settings):
         return False
     counters[DEPTH], counters[LAST] = -1, tree[7][0]
@@ -101,16 +104,18 @@ def run(data, tree, state, settings, slice_):
 
     Parameters
     ----------
-    data : (problem, groups, columns, wide, decisions, binaries, priorities, known)
+    data : (problem, groups, columns, wide, decisions, binaries, priorities, known, spare)
         `problem`, `groups`, `wide` as for :func:`hysdel_py.optimize.kernels.node.solve_node`; `columns` the rows of
         each variable; `decisions` see :func:`hysdel_py.optimize.kernels.guessing.follow`; `known` see
-        :func:`hysdel_py.optimize.kernels.certificate.bound_below`.
+        :func:`hysdel_py.optimize.kernels.certificate.bound_below`; `spare` is c >= 0 with P - diag(c) positive
+        semidefinite.
     tree
         See :mod:`hysdel_py.optimize.kernels.tree`.
-    state : (x, numbers, counters, box, relaxed, words, root, active, pending)
+    state : (x, numbers, counters, box, relaxed, words, root, active, pending, top)
         Incumbent; numbers and counters; box and relaxed point of the node at hand; words that were guessed, as
-        numbers; propagated bounds of the whole problem, and active inequalities there; words to be tried.
-    settings : (gaps, solver, propagation, feasibility, integrality, rounding)
+        numbers; bounds of the whole problem, propagated and narrowed by the cost, and active inequalities there; words
+        to be tried; point and multipliers of the relaxation of the whole problem, not numbers before there is one.
+    settings : (gaps, solver, propagation, feasibility, integrality, rounding, probing, narrowing)
         `gaps` is (absolute, relative).
     slice_ : int
         Largest number of nodes.
@@ -126,17 +131,23 @@ def run(data, tree, state, settings, slice_):
             return PAUSED
         elif counters[OPEN] + 2 > len(tree[7]):
             return FULL
+        elif counters[NODES] >= counters[PROBING]:
+            strengthen(data, tree, state, settings)
+            continue
         else:
             slot = take_next(tree[2], tree[7], counters)
             ready = enter(data, tree, slot, state, settings)
         if not ready:
             continue
-        status, w, bound, active = judge(data, box, wished(tree, slot), state, settings)
+        before = state[1][OBJECTIVE]
+        status, w, y, bound, active = judge(data, box, wished(tree, slot), state, settings)
         if guessed:
             if status == SOLVED:
                 offer(data, box, w, state, settings)
-        elif not digest(data, tree, (status, w, bound, active), state, settings):
+        elif not digest(data, tree, (status, w, y, bound, active), state, settings):
             return HELP
+        if state[1][OBJECTIVE] < before:
+            narrow_root(data, state, settings)
     return CALM
 
 
@@ -170,27 +181,29 @@ def enter(data, tree, slot, state, settings):
     box[0][j] = box[1][j] = tree[3][slot, 1]
     queued = np.zeros(len(problem[3]), dtype=np.bool_)
     queue_rows(j, columns[0], columns[1], queued)
-    return propagate(problem[2], columns, problem[5], box, (problem[3], problem[4]), queued, settings[2])[0] < 0
-
-
-@leaf
-def worthwhile(numbers, gaps):
-    """Bound from which a part cannot be better than the incumbent by more than the gap."""
-    objective = numbers[OBJECTIVE]
-    if objective == np.inf:
-        return np.inf
-    return objective - max(gaps[0], gaps[1] * abs(objective))
+    if counters[NARROWED] > 0:
+        meet(box, state[6], columns, queued)
+    sides = problem[3], problem[4]
+    if propagate(problem[2], columns, problem[5], box, sides, queued, settings[2])[0] < 0:
+        return True
+    if counters[NARROWED] > 0:  # empty, or no better than the incumbent
+        counters[FATE], numbers[BOUND] = CUT_OFF, max(numbers[BOUND], worthwhile(numbers, settings[0]))
+    return False
 
 
 @compiled
 def digest(data, tree, verdict, state, settings):
     """Drop, settle or split a node whose relaxation has been judged; False if it needs other means."""
-    status, w, bound, active = verdict
+    status, w, y, bound, active = verdict
     numbers, counters, box = state[1], state[2], state[3]
+    if counters[DEPTH] == 0 and status == SOLVED:
+        state[9][0][:], state[9][1][:] = w, y
     if counters[DEPTH] == 0:
         counters[ACTIVE] = min(len(active), len(state[7]))
         state[7][: counters[ACTIVE]] = active[: counters[ACTIVE]]
     if status == EMPTY:
+        if counters[NARROWED] > 0:
+            counters[FATE], numbers[BOUND] = CUT_OFF, max(numbers[BOUND], worthwhile(numbers, settings[0]))
         return True
     numbers[BOUND] = max(numbers[BOUND], bound)
     counters[FATE] = CUT_OFF
@@ -206,6 +219,9 @@ def digest(data, tree, verdict, state, settings):
     every = settings[5]
     if every and counters[DEPTH] % every == 0:
         look_around(data, box, w, state, settings)
+    if not narrow(data, box, w, y, state, settings):
+        numbers[BOUND] = max(numbers[BOUND], worthwhile(numbers, settings[0]))
+        return True
     split(data, tree, box, w, active, state, settings)
     return True
 
@@ -217,25 +233,6 @@ def has_choice(lb, ub, binaries):
         if lb[binaries[i]] < ub[binaries[i]]:
             return True
     return False
-
-
-@compiled
-def judge(data, box, guess, state, settings):
-    """Solve a node and certify the answer: (status, point, bound, active); a status that is not certified is -1."""
-    problem, groups, _, wide, _, _, _, known = data
-    numbers, counters = state[1], state[2]
-    cutoff = (worthwhile(numbers, settings[0]), known[0], known[1], known[2])
-    counters[SOLVES] += 1
-    status, _, w, y, active = solve_node(problem, groups, box, wide, guess, cutoff, settings[1])
-    if status == EMPTY:
-        certain = farkas_bound(problem, box, y, known[2]) > 0.0
-        return (EMPTY if certain else -1), w, -np.inf, active
-    bound = bound_below(problem, box, w, y, known)
-    if status == SOLVED:
-        value = value_at(problem, w) + known[0]
-        if not value - bound <= max(settings[0][0], settings[0][1] * abs(value)):
-            status = -1
-    return (status if status in (SOLVED, BEATEN) else -1), w, bound, active
 
 
 @compiled
@@ -294,8 +291,12 @@ def split(data, tree, box, w, active, state, settings):
     """Open the two halves of a node, the nearer one to be looked at next."""
     counters = state[2]
     j = branching_variable(box[0], box[1], w, data[5], data[6], settings[4])
-    near = 1.0 if w[j] > 0.5 else 0.0
-    push(tree, counters, box, state[1][BOUND], j, 1.0 - near, active, w)
+    if j < 0:  # the cost has left one word only
+        j = data[5][0]
+        near = box[0][j]
+    else:
+        near = 1.0 if w[j] > 0.5 else 0.0
+        push(tree, counters, box, state[1][BOUND], j, 1.0 - near, active, w)
     push(tree, counters, box, state[1][BOUND], j, near, active, w)
     counters[DIVE], counters[FATE] = 1, SPLIT
 

@@ -19,9 +19,11 @@ __all__ = [
     "DIVE",
     "FATE",
     "LAST",
+    "NARROWED",
     "NODES",
     "OPEN",
     "PENDING",
+    "PROBING",
     "SOLVES",
     "WAY",
     "WORDS",
@@ -35,7 +37,9 @@ OPEN, NODES, SOLVES, DIVE, DEPTH, WORDS, ACTIVE, PENDING, LAST, FATE, WAY = 0, 1
 """Counters: open nodes, nodes visited, programs solved, whether the last node was split, its depth, words tried,
 active inequalities at the root, words to be tried, slot of the node at hand, what became of it, and its
 entries of `split`."""
-COUNTERS = 13
+NARROWED, PROBING = 13, 14
+"""How often a box was narrowed by the cost, and the number of nodes after which the whole problem is probed."""
+COUNTERS = 15
 """Their number."""
 
 
