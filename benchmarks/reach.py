@@ -164,13 +164,13 @@ def questions(runs: int, quick: bool) -> Iterator[str]:
 
 def sets(steps: int, runs: int) -> Iterator[str]:
     """Cost of the three kinds of sets, and the share of their states that random runs leave."""
-    yield f"{'sets':9} {'steps':>5} {'pieces':>6} {'s':>7}   range of h1 and h2 after the last step"
+    yield f"{'sets':9} {'steps':>5} {'pieces':>6} {'cpu s':>7}   range of h1 and h2 after the last step"
     model = hys.load("two_tanks")
     x0 = {"h1": (0.1, 0.2), "h2": 0.3}
     for kind in ("exact", "octagons", "boxes"):
-        begin = time.perf_counter()
+        begin = time.process_time()
         found = hys.reach(model, x0, steps, sets=kind)
-        seconds = time.perf_counter() - begin
+        seconds = time.process_time() - begin
         outside = left_outside(model, found, x0, runs)
         assert outside == 0, f"{outside} random states lie outside the {kind} sets"
         ranges = "  ".join(f"[{low:.4f}, {high:.4f}]" for low, high in found.sets[-1].ranges().values())

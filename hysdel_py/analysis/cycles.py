@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from hysdel_py.analysis.cells import AffineLaw, Cell, cells_of
 from hysdel_py.analysis.reach import HasPwa, pwa_of
-from hysdel_py.errors import ArgumentError
+from hysdel_py.errors import ArgumentError, SimulationError
 from hysdel_py.geometry.polyhedron import Polyhedron
 from hysdel_py.systems.pwa import Pwa
 
@@ -85,7 +85,8 @@ class Cycles:
     Attributes
     ----------
     cycles : tuple of Cycle
-        By period, each once, replayed by the maps of the cells; equilibria are those of period 1.
+        By period, each once, replayed by the system, a closed loop by the maps of its cells; equilibria are those of
+        period 1.
     longest : int
         Longest period that was asked for.
     is_complete : bool
@@ -144,10 +145,21 @@ def limit_cycles(
     """
     if isinstance(longest, bool) or not isinstance(longest, int) or longest < 1:
         raise ArgumentError(f"longest is {longest!r}: a period of at least 1 was expected")
-    search = _Search(cells_of(pwa_of(system), law), settings)
+    pwa = pwa_of(system)
+    search = _Search(cells_of(pwa, law), settings)
     for period in range(1, longest + 1):
         search.run(period)
-    return Cycles(tuple(search.found), longest, search.is_complete, search.sequences)
+    found = [cycle for cycle in search.found if law is not None or _is_run(pwa, cycle, settings)]
+    return Cycles(tuple(found), longest, search.is_complete, search.sequences)
+
+
+def _is_run(pwa: Pwa, cycle: Cycle, settings: CycleSettings) -> bool:
+    """Whether the system itself takes the steps; on a threshold the cell of its false side does not count."""
+    try:
+        after = np.array([pwa.step(x)[0] for x in cycle.states])
+    except SimulationError:
+        return False
+    return bool(np.abs(after - np.roll(cycle.states, -1, axis=0)).max() <= settings.close * _size(cycle.states))
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -204,7 +216,9 @@ class _Search:
         n = len(path.c)
         closing = np.eye(n) - path.M
         singular = n > 0 and np.linalg.svd(closing, compute_uv=False)[-1] <= self._settings.apart
-        start = self._any_fixed_point(path, closing) if singular else np.linalg.solve(closing, path.c)
+        start = (
+            self._any_fixed_point(path, closing) if singular else np.asarray(np.linalg.solve(closing, path.c), float)
+        )
         if start is None or not path.starts.contains(start, self._settings.close * _size(start)):
             return
         # A singular map may have a whole line of fixed points, of which one is kept.

@@ -1,9 +1,6 @@
-"""Quadratic and piecewise quadratic Lyapunov functions of piecewise affine systems.
+"""Lyapunov functions of piecewise affine systems: quadratic, affine by pieces, or the value function of a law.
 
-Decrease from cell to cell is a linear matrix inequality, made less demanding by what is known of the cell (M. Johansson
-and A. Rantzer, "Computation of piecewise quadratic Lyapunov functions for hybrid systems", IEEE Trans. Automatic
-Control 43, 1998; discrete time: D. Mignone, G. Ferrari-Trecate and M. Morari, "Stability and stabilization of piecewise
-affine and hybrid systems: an LMI approach", CDC 2000). What the solver returns is checked again by eigenvalues.
+Each kind is searched, or checked, in a module of its own; here are the question, the answer and what they share.
 """
 
 from __future__ import annotations
@@ -16,8 +13,13 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from hysdel_py.analysis.affine_lyapunov import cut_along_steps, cut_at_origin, search_affine
-from hysdel_py.analysis.cells import AffineLaw, Cell, cells_of, escape, transitions
-from hysdel_py.analysis.matrix_inequalities import Inequalities
+from hysdel_py.analysis.cells import AffineLaw, Cell, cells_of, escape
+from hysdel_py.analysis.quadratic_lyapunov import (
+    DEFAULT_LYAPUNOV_TOLERANCES,
+    LyapunovTolerances,
+    QuadraticSearch,
+    at_origin,
+)
 from hysdel_py.analysis.reach import HasPwa, pwa_of
 from hysdel_py.analysis.value_decrease import DecreaseSettings, decrease_of
 from hysdel_py.errors import ArgumentError
@@ -28,22 +30,6 @@ __all__ = ["Lyapunov", "LyapunovTolerances", "lyapunov"]
 
 Matrix = NDArray[np.float64]
 Vector = NDArray[np.float64]
-
-
-@dataclass(frozen=True, slots=True)
-class LyapunovTolerances:
-    """Tolerances of the search.
-
-    Attributes
-    ----------
-    origin : float
-        A cell belongs to the equilibrium, and a row passes through it, up to this distance.
-    margin : float
-        Share of the demanded margins that must be left in the check of what the solver returned.
-    """
-
-    origin: float = 1e-7
-    margin: float = 0.5
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -116,7 +102,7 @@ def lyapunov(
     law: AffineLaw | None = None,
     equilibrium: ArrayLike | None = None,
     cuts: int = 0,
-    tolerances: LyapunovTolerances = LyapunovTolerances(),
+    tolerances: LyapunovTolerances = DEFAULT_LYAPUNOV_TOLERANCES,
 ) -> Lyapunov:
     """Search a Lyapunov function of a system without inputs, or of its closed loop with an explicit law.
 
@@ -172,18 +158,18 @@ def _of_kind(
         case "affine":
             return _affine(cells, cuts, tolerances)
         case _:
-            P, margin, message = _Search(cells, kind, tolerances).solve()
+            P, margin, message = QuadraticSearch(cells, kind, tolerances).solve()
             return Lyapunov(margin > tolerances.margin, kind, cells, P, centre, margin, message)
 
 
 def _affine(cells: tuple[Cell, ...], cuts: int, tolerances: LyapunovTolerances) -> Lyapunov:
     if isinstance(cuts, bool) or not isinstance(cuts, int) or cuts < 0:
         raise ArgumentError(f"cuts is {cuts!r}: a whole number of at least 0 was expected")
-    cells = cut_at_origin(cells, [_at_origin(cell, tolerances) for cell in cells])
+    cells = cut_at_origin(cells, [at_origin(cell, tolerances) for cell in cells])
     for _ in range(cuts):
         cells = cut_along_steps(cells)
     n = len(cells[0].f)
-    found = search_affine(cells, [_at_origin(cell, tolerances) for cell in cells], tolerances.origin)
+    found = search_affine(cells, [at_origin(cell, tolerances) for cell in cells], tolerances.origin)
     P = np.zeros((len(found.c), n + 1, n + 1))
     P[:, :n, n] = P[:, n, :n] = found.p / 2
     P[:, n, n] = found.c
@@ -224,80 +210,7 @@ def _moved(cell: Cell, centre: Vector) -> Cell:
 
 
 def _check_equilibrium(cells: Sequence[Cell], centre: Vector, tolerances: LyapunovTolerances) -> None:
-    here = [cell for cell in cells if _at_origin(cell, tolerances)]
+    here = [cell for cell in cells if at_origin(cell, tolerances)]
     drift = max((float(np.abs(cell.f).max()) for cell in here), default=np.inf)
     if not drift <= tolerances.origin * max(1.0, float(np.abs(centre).max(initial=0.0))):
         raise ArgumentError(f"the state {centre.tolist()} is no equilibrium: a step moves it by {drift:.3g}")
-
-
-def _at_origin(cell: Cell, tolerances: LyapunovTolerances) -> bool:
-    return bool(np.all(cell.region.b >= -tolerances.origin * np.maximum(1.0, cell.region.lengths)))
-
-
-class _Search:
-    """The inequalities of all cells and transitions."""
-
-    def __init__(self, cells: Sequence[Cell], kind: str, tolerances: LyapunovTolerances) -> None:
-        self._cells = cells
-        self._tolerances = tolerances
-        self._system = Inequalities()
-        self._at_origin = [_at_origin(cell, tolerances) for cell in cells]
-        self._n = len(cells[0].f)
-        common = self._system.symmetric(self._n) if kind == "quadratic" else None
-        self._P = [self._function(i) if common is None else _padded(common) for i in range(len(cells))]
-
-    def _function(self, cell: int) -> dict[int, Matrix]:
-        """Unknowns of one function; it is zero at the equilibrium."""
-        if self._at_origin[cell]:
-            return _padded(self._system.symmetric(self._n))
-        return self._system.symmetric(self._n + 1)
-
-    def solve(self) -> tuple[Matrix, float, str]:
-        """Functions, the least eigenvalue relative to what was demanded, and the word of the solver."""
-        for i, cell in enumerate(self._cells):
-            self._demand(self._rows(cell.region, self._at_origin[i]), (1.0, self._P[i]), at_origin=self._at_origin[i])
-        for i, j, states in transitions(self._cells):
-            step = np.block([[self._cells[i].A, self._cells[i].f[:, None]], [np.zeros((1, self._n)), 1.0]])
-            after = {k: np.asarray(step.T @ M @ step) for k, M in self._P[j].items()}
-            both = self._at_origin[i] and self._at_origin[j]
-            self._demand(self._rows(states, both), (1.0, self._P[i]), (-1.0, after), at_origin=both)
-        values, word = self._system.solve()
-        if values is None:
-            return np.zeros((0, self._n + 1, self._n + 1)), -np.inf, word
-        P = np.array([sum(values[k] * M for k, M in basis.items()) for basis in self._P])
-        return P, self._margin(values), word
-
-    def _rows(self, region: Polyhedron, at_origin: bool) -> Matrix:
-        """Forms that are not negative in a region; at the equilibrium only those that vanish there."""
-        unit = region.minimal().normalised()
-        if at_origin:
-            through = np.abs(unit.b) <= self._tolerances.origin
-            return np.column_stack([-unit.A[through], np.zeros(int(through.sum()))])
-        return np.vstack([np.column_stack([-unit.A, unit.b]), np.eye(self._n + 1)[-1]])
-
-    def _demand(self, rows: Matrix, *terms: tuple[float, dict[int, Matrix]], at_origin: bool) -> None:
-        """The terms exceed the squared distance to the equilibrium wherever the rows are not negative."""
-        size = self._n + (not at_origin)
-        more = self._system.multipliers(rows)
-        unit = np.eye(self._n + 1)[:size, :size]
-        unit[self._n :] = 0.0
-        self._system.require(-unit, *((f, _cut(basis, size)) for f, basis in (*terms, (-1.0, more))))
-
-    def _margin(self, values: Vector) -> float:
-        """Least eigenvalue of all inequalities with the demanded unit given back, and least multiplier."""
-        least = 1.0
-        clipped = values.copy()
-        clipped[self._system.positive] = np.maximum(values[self._system.positive], 0.0)
-        for constant, terms in self._system.blocks:
-            total = constant + sum((clipped[k] * M for k, M in terms.items()), np.zeros_like(constant))
-            least = min(least, 1.0 + float(np.linalg.eigvalsh(total)[0]))
-        return least
-
-
-def _padded(basis: dict[int, Matrix]) -> dict[int, Matrix]:
-    """Quadratic forms in x as forms in (x, 1)."""
-    return {k: np.pad(M, (0, 1)) for k, M in basis.items()}
-
-
-def _cut(basis: dict[int, Matrix], size: int) -> dict[int, Matrix]:
-    return {k: M[:size, :size] for k, M in basis.items()}

@@ -40,8 +40,10 @@ def twins(dha: Dha) -> Dha:
     origins and the order within each copy.
     """
     items = [_renamed(item, _renaming(copy, dha)) for copy in COPIES for item in dha.items]
-    vectors = {letter: _both(getattr(dha, letter)) for letter in "xydz"}
-    return replace(dha, name=f"twins of {dha.name}", items=tuple(items), **vectors)
+    return replace(
+        dha, name=f"twins of {dha.name}", x=_both(dha.x), y=_both(dha.y), d=_both(dha.d), z=_both(dha.z),
+        items=tuple(items),
+    )  # fmt: skip
 
 
 def _both(variables: Sequence[Variable]) -> tuple[Variable, ...]:

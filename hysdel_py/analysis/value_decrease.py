@@ -109,7 +109,7 @@ def _parts(function: Quadratic, region: Polyhedron, zero: float) -> Iterator[Pol
     pure = float(np.abs(function.g).max(initial=0.0)) <= zero and abs(function.c) <= zero
     unit = region.minimal().normalised()
     holds_origin = bool(np.all(unit.b >= -zero))
-    if not (pure and holds_origin):
+    if not (pure and holds_origin and region.is_bounded):
         yield region
         return
     for row in range(unit.m):

@@ -60,9 +60,13 @@ def condition_of_expression(expression: Expression, model: Model) -> Monitor:
     ------
     CompileError
         A parameter without a value, faulty arithmetic; at its place in the source.
+    ArgumentError
+        A variable has the name that the condition itself has.
     """
     known = signals_of(model.dha)
     read = {leaf.name: known[leaf.name] for leaf in leaves(expression) if not leaf.is_parameter}
+    if RESULT in read:
+        raise ArgumentError(f"a query reads {RESULT}, which is the name of its own answer: rename the variable")
     result = Symbol(RESULT, Type.BOOL, Role.AUX, expression.span, 1)
     inputs = tuple(Symbol(name, s.variable.type, Role.INPUT, expression.span, 1) for name, s in read.items())
     line = model.typed.source.line_of(expression.span)

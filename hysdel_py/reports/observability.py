@@ -99,11 +99,11 @@ def observability(
     searcher = Searcher(question, Clock(seconds))
     found = searcher.run(count, range(count), meets=True)
     outcome = _outcome(found, searcher)
-    runs = (None, None) if found.run is None else _runs(model, found.run)
+    first, second = (None, None) if found.run is None else _runs(model, found.run)
     names = tuple(v.name for v in variables)
     return Observability(
-        model.name, names, outcome, count, distances, finest, *runs, found.borderline, found.message, searcher.calls,
-        searcher.clock.elapsed,
+        model.name, names, outcome, count, distances, finest, first, second, found.borderline, found.message,
+        searcher.calls, searcher.clock.elapsed,
     )  # fmt: skip
 
 

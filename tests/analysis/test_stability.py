@@ -4,8 +4,9 @@ import numpy as np
 import pytest
 
 import hysdel_py as hys
-from hysdel_py.analysis.cells import cells_of, escape
+from hysdel_py.analysis.cells import Cell, cells_of, escape
 from hysdel_py.analysis.quadratic_bound import Quadratic, is_nowhere_positive
+from hysdel_py.analysis.value_decrease import DecreaseSettings, decrease_of
 from hysdel_py.errors import ArgumentError
 
 SCALAR = """SYSTEM s {{ INTERFACE {{ STATE {{ REAL p [-1, 1]; }} INPUT {{ REAL u [-0.5, 0.5]; }} OUTPUT {{ REAL y; }} }}
@@ -141,3 +142,17 @@ def test_wrong_arguments(law):
         hys.limit_cycles(model, 0, law=law)
     with pytest.raises(ArgumentError, match="give a law"):
         hys.limit_cycles(model, 2)
+
+
+def test_a_fixed_point_on_the_wrong_side_of_a_threshold_is_none():
+    # Below 0 the map has its fixed point at 0, which belongs to the other side.
+    found = hys.limit_cycles(hys.load(RELAY.format(a=0.5, low=-1, high=0)), 3)
+    assert not any(abs(cycle.states[0, 0]) < 1e-9 for cycle in found.equilibria)
+
+
+def test_unbounded_cells_prove_nothing():
+    quadrant = hys.Polyhedron(-np.eye(2), np.zeros(2))
+    cell = Cell(quadrant, 3 * np.eye(2), np.zeros(2), 0)
+    found = decrease_of([cell], np.diag([1.0, 1.0, 0.0])[None], DecreaseSettings())
+    assert not found.holds
+    assert "not bounded" in found.message

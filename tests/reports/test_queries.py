@@ -127,3 +127,28 @@ def test_programs_sets_and_random_runs_agree(seed):
         run = model.simulate(x0, inputs)
         assert all(states.contains(x, 1e-6) for states, x in zip(sets.sets, run.x, strict=True))
         assert found.verdict == "violated" or run["p"].max() < goal
+
+
+def test_queries_of_modules(tmp_path):
+    (tmp_path / "leak.hys").write_text("""/* extension: queries */
+    SYSTEM leak { INTERFACE { STATE { REAL h [0, 1]; } INPUT { REAL q; } OUTPUT { REAL out; } }
+    IMPLEMENTATION { CONTINUOUS { h = 0.5*h + q; } OUTPUT { out = h; }
+      QUERIES { NEVER h >= 0.5 WITHIN 4 FROM h <= 0.2; } } }""")
+    (tmp_path / "whole.hys").write_text("""SYSTEM whole {
+    INTERFACE { MODULE { leak t, s; } INPUT { REAL p [0, 0.3]; } OUTPUT { REAL y; } }
+    IMPLEMENTATION { LINEAR { t.q = p; s.q = 0.5*t.h; } OUTPUT { y = s.out; } } }""")
+    found = hys.answer_queries(hys.load(tmp_path / "whole.hys"), inputs={"p": (0, 0.2)})
+    assert [answer.query.text for answer in found] == [
+        f"NEVER {name}.h >= 0.5 WITHIN 4 FROM {name}.h <= 0.2" for name in "ts"
+    ]
+    assert [answer.verdict for answer in found] == ["holds", "violated"]  # nothing is said of t.h when s starts
+    assert "leak.hys:4" in str(found[0])
+
+
+def test_name_of_the_answer_is_refused():
+    text = TEXT.replace("BOOL high;", "BOOL high, condition_holds;").replace(
+        "AD { high", "AD { condition_holds = level <= 0.5; high"
+    )
+    model = hys.load(text.replace("EVENTUALLY high", "EVENTUALLY condition_holds"), low=-1)
+    with pytest.raises(ArgumentError, match="rename the variable"):
+        hys.answer_queries(model)
