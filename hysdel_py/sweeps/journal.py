@@ -70,9 +70,10 @@ class Journal:
         head = _parsed(line, self.path)
         if head.get("format") != _FORMAT:
             raise ArgumentError(f"{self.path} is no file of a sweep; choose another name, or remove it")
-        if head.get("task") != self.task:
+        theirs = head.get("task")
+        if theirs != self.task:
             raise ArgumentError(
-                f"{self.path} holds results of {head.get('task')}, not of {self.task}; choose another name, or remove it"
+                f"{self.path} holds results of {theirs}, not of {self.task}; choose another name, or remove it"
             )
 
     def _rewrite(self, lines: list[str]) -> None:
