@@ -52,7 +52,7 @@ class Journal:
         whole = self._whole_lines()
         if whole:
             self._require_own(whole[0])
-        self.records = {record.seed: record for record in map(_record, whole[1:])}
+        self.records = {record.seed: record for record in (_record(line, self.path) for line in whole[1:])}
         self._rewrite(whole or [json.dumps({"format": _FORMAT, "task": task})])
 
     def add(self, record: SweepRecord) -> None:
@@ -70,9 +70,10 @@ class Journal:
         head = _parsed(line, self.path)
         if head.get("format") != _FORMAT:
             raise ArgumentError(f"{self.path} is no file of a sweep; choose another name, or remove it")
-        if head["task"] != self.task:
+        theirs = head.get("task")
+        if theirs != self.task:
             raise ArgumentError(
-                f"{self.path} holds results of {head['task']}, not of {self.task}; choose another name, or remove it"
+                f"{self.path} holds results of {theirs}, not of {self.task}; choose another name, or remove it"
             )
 
     def _rewrite(self, lines: list[str]) -> None:
@@ -96,7 +97,9 @@ def _line(record: SweepRecord) -> str:
     return json.dumps(kept)
 
 
-def _record(line: str) -> SweepRecord:
-    kept = json.loads(line)
+def _record(line: str, path: Path) -> SweepRecord:
+    kept = _parsed(line, path)
+    if "seed" not in kept:
+        raise ArgumentError(f"{path} has a line without a seed: {line[:60]}; remove the line, or the file")
     seed: Seed = kept["seed"]
-    return SweepRecord(seed, kept.get("value"), kept.get("error", ""), kept.get("trace", ""), kept["seconds"])
+    return SweepRecord(seed, kept.get("value"), kept.get("error", ""), kept.get("trace", ""), kept.get("seconds", 0.0))

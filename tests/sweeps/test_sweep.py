@@ -142,6 +142,12 @@ def test_files_of_other_tasks_are_refused(tmp_path):
     with pytest.raises(hys.ArgumentError, match="is no file of a sweep"):
         hys.sweep(draw, [1], resume=tmp_path / "notes.txt")
     assert (tmp_path / "notes.txt").read_text() == "hello\n"
+    for line, message in (('{"value": 1}\n', "a line without a seed"), ("???\n", "is no file of a sweep")):
+        with kept.open("a") as file:
+            file.write(line)
+        with pytest.raises(hys.ArgumentError, match=message):
+            hys.sweep(draw, [1], resume=kept)
+        kept.write_text(kept.read_text().removesuffix(line))
 
 
 def test_results_that_cannot_be_kept_are_records(tmp_path):
