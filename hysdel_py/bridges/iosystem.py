@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass
+from importlib import import_module
 from typing import Any
 
 import numpy as np
@@ -74,10 +76,11 @@ def to_iosystem(
 
 
 def _control() -> Any:
-    try:
-        import control
-    except ModuleNotFoundError:
-        raise HysdelError("python-control is not installed: pip install control") from None
+    control: Any = None
+    with suppress(ModuleNotFoundError):
+        control = import_module("control")
+    if not hasattr(control, "NonlinearIOSystem"):  # a mere folder of that name can be imported, too
+        raise HysdelError("python-control is not installed: pip install control")
     return control
 
 

@@ -74,7 +74,7 @@ class _Shown:
 
     def line(self, name: str, values: Vector, *, held: bool) -> Line:
         """A signal at the times that are drawn."""
-        return Line(name, tuple(self.t.tolist()), tuple(values.astype(float).tolist()), held)
+        return Line(name, tuple(self.t.tolist()), tuple(values.tolist()), held)
 
 
 def _charts(shown: _Shown) -> Iterator[Markup]:
@@ -93,7 +93,7 @@ def _charts(shown: _Shown) -> Iterator[Markup]:
 def _bands(shown: _Shown, modes: Vector) -> Iterator[Markup]:
     signals = [s for s in shown.run.group("x", "u", "y", "d") if s.is_bool]
     if signals:
-        lines = [shown.line(s.name, s.values[:: shown.every] > 0.5, held=True) for s in signals]
+        lines = [shown.line(s.name, np.where(s.values[:: shown.every] > 0.5, 1.0, 0.0), held=True) for s in signals]
         chart = band_chart(lines, "Booleans over time", shown.span, shown.left)
         yield _figure("Booleans, filled where true", chart, [])
     if len(modes) and np.any(modes):

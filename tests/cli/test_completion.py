@@ -11,6 +11,7 @@ import hysdel_py
 from hysdel_py.cli.command_tree import command_tree
 from hysdel_py.cli.completion_scripts import SHELLS
 from hysdel_py.cli.main import COMMANDS, build_parser
+from hysdel_py.cli.manual import manual_page
 from hysdel_py.shipped import shipped_models
 
 
@@ -34,19 +35,26 @@ def test_the_tree_has_every_command_and_option(tree):
     assert "%" not in " ".join(o.help for c in tree[1] for o in c.options)
 
 
+@pytest.fixture(scope="module")
+def scripts(tree):
+    return {shell: write(*tree, list(shipped_models())) for shell, write in SHELLS.items()}
+
+
 @pytest.mark.parametrize("shell", list(SHELLS))
-def test_scripts_name_every_command_and_flag(hysdel, tree, shell):
+def test_scripts_name_every_command_flag_and_model(hysdel, tree, scripts, shell):
     script = hysdel("completion", shell).out
-    assert script == hysdel("completion", shell).out
+    assert script == scripts[shell]
+    assert all(name in script for name in shipped_models())
     for command in tree[1]:
         assert command.name in script
         for flag in command.flags:
             assert (flag if shell != "fish" else flag.lstrip("-")) in script
 
 
-def complete_in_bash(hysdel, folder, *words):
+def complete_in_bash(script, folder, *words):
     """What bash offers for the last word."""
-    (folder / "script.bash").write_text(hysdel("completion", "bash").out, encoding="utf-8")
+    (folder / "tank.hys").touch()
+    (folder / "script.bash").write_text(script, encoding="utf-8")
     listed = " ".join(f"'{word}'" for word in ("hysdel", *words))
     asked = f"COMP_WORDS=({listed}); COMP_CWORD={len(words)}; _hysdel"
     code = f"source script.bash; {asked}; printf '%s\\n' \"${{COMPREPLY[@]}}\""
@@ -71,14 +79,14 @@ def complete_in_bash(hysdel, folder, *words):
         (["compile", "--output", "ta"], {"tank.hys"}),
     ],
 )
-def test_bash_completes(hysdel, tmp_path, words, found):
-    assert set(complete_in_bash(hysdel, tmp_path, *words)) == found
+def test_bash_completes(scripts, tmp_path, words, found):
+    assert set(complete_in_bash(scripts["bash"], tmp_path, *words)) == found
 
 
 @needs("zsh")
-def test_zsh_completes(hysdel, tmp_path):
+def test_zsh_completes(scripts, tmp_path):
     pexpect = pytest.importorskip("pexpect", reason="pexpect is not installed: pip install pexpect")
-    (tmp_path / "_hysdel").write_text(hysdel("completion", "zsh").out, encoding="utf-8")
+    (tmp_path / "_hysdel").write_text(scripts["zsh"], encoding="utf-8")
     assert subprocess.run(["zsh", "-n", "_hysdel"], cwd=tmp_path, check=False).returncode == 0
     environment = os.environ | {"HOME": str(tmp_path), "TERM": "dumb", "PS1": "> "}
     shell = pexpect.spawn("zsh", ["-f", "-i"], cwd=str(tmp_path), env=environment, encoding="utf-8", timeout=20)
@@ -96,8 +104,8 @@ def test_zsh_completes(hysdel, tmp_path):
 
 
 @needs("fish")
-def test_fish_completes(hysdel, tmp_path):
-    (tmp_path / "hysdel.fish").write_text(hysdel("completion", "fish").out, encoding="utf-8")
+def test_fish_completes(scripts, tmp_path):
+    (tmp_path / "hysdel.fish").write_text(scripts["fish"], encoding="utf-8")
 
     def offered(line):
         code = f"source hysdel.fish; complete -C '{line}'"
@@ -130,9 +138,9 @@ def test_manual_names_every_command_and_option(hysdel, tree):
 
 
 @needs("groff")
-def test_manual_is_set_without_a_warning(hysdel, tree):
+def test_manual_is_set_without_a_warning(tree):
     done = subprocess.run(
-        ["groff", "-man", "-Tutf8", "-ww", "-K", "utf8"], input=hysdel("manual").out, capture_output=True, text=True,
+        ["groff", "-man", "-Tutf8", "-ww", "-K", "utf8"], input=manual_page(*tree), capture_output=True, text=True,
         check=True,
     )  # fmt: skip
     assert done.stderr == ""
@@ -148,8 +156,3 @@ def test_versions_for_a_report(hysdel):
     assert lines[1].startswith("Python 3.")
     assert any(re.fullmatch(r"numpy \d[\w.]*", line) for line in lines)
     assert lines[-1].startswith("tools: ")
-
-
-def test_shipped_models_are_offered(hysdel):
-    for shell in SHELLS:
-        assert all(name in hysdel("completion", shell).out for name in shipped_models())

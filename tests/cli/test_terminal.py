@@ -1,20 +1,18 @@
 """Manners on a terminal: progress, Ctrl-C, colours; and silence where there is none."""
 
 import csv
-import json
 import signal
-import subprocess
 import sys
 
 import pytest
 
 from hysdel_py.cli.colour import painted
 from hysdel_py.cli.interrupt import first_interrupt
-from hysdel_py.cli.progress import bar, is_terminal, spoken
+from hysdel_py.cli.progress import bar, is_terminal, progress_line, spoken
 
 pytest.importorskip("pty", reason="there are no pseudo-terminals on this system")
 from cli.conftest import TANK
-from cli.terminal import ROOT, watched
+from cli.terminal import watched
 
 LONG = ("simulate", "tank.hys", "--x0", "1,0", "--input", "0,1", "--steps", "2000000")
 
@@ -66,17 +64,17 @@ def test_ctrl_c_in_a_loop_leaves_its_steps(folder):
     assert len((folder / "run.csv").read_text().splitlines()) > 1
 
 
-def test_no_terminal_no_progress(folder):
-    done = subprocess.run(
-        [sys.executable, "-m", "hysdel_py.cli", *LONG[:-1], "50", "--json"], cwd=folder, env={"PYTHONPATH": str(ROOT)},
-        capture_output=True, text=True, check=True,
-    )  # fmt: skip
-    assert done.stderr == ""
-    assert len(json.loads(done.stdout)["t"]) == 51
+def test_no_terminal_no_progress(hysdel):
+    shown = hysdel(*LONG[:-1], "50", "--json")
+    assert shown.err == ""
+    assert len(shown.json["t"]) == 51
 
 
-def test_json_has_no_progress_on_a_terminal_either(folder):
-    assert watched(*LONG[:-1], "50", "--json", folder=folder).terminal == ""
+def test_json_has_no_progress_on_a_terminal_either(monkeypatch):
+    monkeypatch.setattr(sys, "stderr", Terminal())
+    monkeypatch.setenv("TERM", "xterm")
+    assert progress_line(True) is not None
+    assert progress_line(False) is None
 
 
 def test_diagnostics_are_coloured(folder):
@@ -87,11 +85,19 @@ def test_diagnostics_are_coloured(folder):
     assert "\x1b[36mhelp:\x1b[0m did you mean gain?" in seen.terminal
 
 
-@pytest.mark.parametrize(("command", "environment"), [("check", {"NO_COLOR": "1"}), ("compile", {"TERM": "dumb"})])
-def test_no_colour_where_none_is_wanted(folder, command, environment):
-    seen = watched(command, "wrong.hys", folder=folder, environment=environment)
+def test_no_colour_where_none_is_wanted(folder):
+    seen = watched("compile", "wrong.hys", folder=folder, environment={"NO_COLOR": "1"})
     assert "error[HYS201]: gian is not declared" in seen.terminal
     assert "\x1b" not in seen.terminal
+
+
+@pytest.mark.parametrize(("variable", "value"), [("NO_COLOR", "1"), ("TERM", "dumb")])
+def test_variables_that_mean_plain_text(monkeypatch, variable, value):
+    monkeypatch.delenv("NO_COLOR", raising=False)
+    monkeypatch.setenv("TERM", "xterm")
+    assert painted("error: a", Terminal()) != "error: a"
+    monkeypatch.setenv(variable, value)
+    assert painted("error: a", Terminal()) == "error: a"
 
 
 class Terminal:

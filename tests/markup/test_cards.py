@@ -50,7 +50,7 @@ def test_forms_show_rows_and_modes(model):
 
 
 def test_long_lists_are_cut_and_it_is_said():
-    assert "and 48 more" in shown(hys.load("three_tanks").pwa)
+    assert "and 4 more" in shown(hys.load("two_rooms").pwa)
 
 
 def test_move_shows_input_and_worth():
