@@ -289,7 +289,11 @@ def main() -> None:
     print("|" + "---|" * 9)
     for name, miqp, optimum in roots:
         plain, *closed = shares(miqp, optimum)
-        print(f"| {name} | {plain:.6g} | {optimum:.6g} | " + " | ".join(f"{100 * c:.0f} %" for c in closed) + " |")
+        if optimum - plain <= GAP_REL * abs(optimum):
+            words = ["closed"] + ["-"] * (len(closed) - 1)
+        else:
+            words = [f"{100 * max(0.0, share):.0f} %" for share in closed]
+        print(f"| {name} | {plain:.6g} | {optimum:.6g} | {' | '.join(words)} |")
 
 
 if __name__ == "__main__":

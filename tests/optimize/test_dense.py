@@ -23,7 +23,7 @@ def least_norm_in(N, b, f, H, wished=()):
     assert sound
     work = active_set.work_space(J)
     active_set.start_from(np.array(wished, dtype=np.int64), N, work)
-    status, iterations, row = active_set.solve(N, b, f, work, np.inf, (1e-10, 1000))
+    status, iterations, row = active_set.solve(active_set.nonzeros(N), b, f, work, np.inf, (1e-10, 1000))
     return status, iterations, row, work
 
 
@@ -151,5 +151,6 @@ def test_the_price_of_a_slack_does_not_set_the_proximal_term():
 
 
 def test_typical_curvature_is_not_that_of_the_greatest():
-    assert typical_curvature(np.diag([2.0, 8.0, 0.0])) == pytest.approx(4.0)
-    assert typical_curvature(np.zeros((2, 2))) == typical_curvature(np.zeros((0, 0))) == 1e-6
+    assert typical_curvature(np.diag([2.0, 8.0, 0.0]), np.ones(3)) == pytest.approx(4.0)
+    assert typical_curvature(np.diag([2.0, 8e6]), np.array([1.0, 1e-3])) == pytest.approx(4.0)
+    assert typical_curvature(np.zeros((2, 2)), np.ones(2)) == typical_curvature(np.zeros((0, 0)), np.ones(0)) == 1e-6
