@@ -56,7 +56,8 @@ def _c(model: Model, mld: Mld, options: argparse.Namespace) -> None:  # noqa: AR
 
 
 def _fmu(model: Model, mld: Mld, options: argparse.Namespace) -> None:  # noqa: ARG001 -- the Dha is written
-    report_unit(to_fmu(model, options.output))
+    system = model if options.constants == Constants.AFFINE.value else to_dha(model, constants=options.constants)
+    report_unit(to_fmu(system, options.output, sample_time=model.sample_time))
 
 
 def report_unit(written: FmuFile) -> None:

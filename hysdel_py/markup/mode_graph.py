@@ -58,7 +58,7 @@ def graph_picture(nodes: Sequence[Node], edges: Iterable[tuple[int, int]], label
     size = f"{2 * middle:.0f}"
     return element(
         "svg", element("title", label), element("defs", _head()), *arcs, *circles, viewBox=f"0 0 {size} {size}",
-        role="img", aria_label=label, class_="graph", width=size,
+        role="group", aria_label=label, class_="graph", width=size,
     )  # fmt: skip
 
 

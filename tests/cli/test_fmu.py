@@ -15,6 +15,14 @@ def test_unit_of_a_plant(hysdel, tmp_path):
     assert "modelDescription.xml" in zipfile.ZipFile(tmp_path / "tank.fmu").namelist()
 
 
+def test_constants_count_for_units_too(hysdel, tmp_path):
+    offset = (tmp_path / "tank.hys").read_text(encoding="utf-8").replace("level + inflow", "level + inflow + 0.1")
+    (tmp_path / "offset.hys").write_text(offset, encoding="utf-8")
+    refused = hysdel("compile", "offset.hys", "-o", "unit.fmu", "--constants", "forbid")
+    assert refused.status == 1
+    assert not (tmp_path / "unit.fmu").exists()
+
+
 def test_without_a_compiler_it_is_said(hysdel, monkeypatch):
     monkeypatch.setattr(shutil, "which", lambda _: None)
     shown = hysdel("compile", "tank.hys", "-o", "tank.fmu")
