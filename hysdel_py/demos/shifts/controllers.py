@@ -3,17 +3,19 @@
 Weights, limits and horizon are those of the document. What departs from it:
 
 * The brake may go to zero, where it is surely off; the document ends its range at 0.01 N, the very threshold.
-* The brake rule is planned with a flywheel one rad/s further back than the document's -5 rad/s, so that the plant keeps
+* The brake rule is planned with a flywheel 3 rad/s further back than the document's -5 rad/s, so that the plant keeps
   the rule between two samples.
 * A state measured beside the ranges of the model, or on a threshold, is moved to the side that the model knows.
+* A brake that is still on when the flywheel comes nearer than that is taken as off, and released at its fastest rate.
+* The rates have a small weight, so that torque and clutch force do not swing from sample to sample.
+* Forces are effective ones, where an estimate of the friction is at hand: factor times force.
 * Where hard limits leave no plan, a plan with softened limits is taken; where there is none either, the brake is
   released and the engine takes over its torque. Both are counted.
 """
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cache
 from typing import Any
 
@@ -26,6 +28,8 @@ from hysdel_py.control.limits import Limits
 from hysdel_py.control.move import Move
 from hysdel_py.demos.shifts import references
 from hysdel_py.demos.shifts.cases import HORIZON, Part, Shift
+from hysdel_py.demos.shifts.friction import FrictionEstimate
+from hysdel_py.demos.shifts.sensors import Sensors
 from hysdel_py.demos.shifts.transmission import LEAST_SPEED, MOST_SPEED, Transmission, engine_limit
 from hysdel_py.model import Model, load
 
@@ -33,11 +37,16 @@ __all__ = ["NODE_LIMIT", "PartController", "part_model", "release_brake", "shift
 
 Vector = NDArray[np.float64]
 
-NODE_LIMIT = 100
+NODE_LIMIT = 40
 """Nodes of the branch and bound per move."""
-BRAKE_RULE = -6.0
+GAP = 1e-3
+"""Share of the cost that a plan may lack to the best one."""
+BRAKE_RULE = -8.0
 """Flywheel speed up to which a plan may use the brake [rad/s]."""
+RATES = {1: {"Te_rate": 0.01, "Fnb_rate": 0.01, "Fnc_rate": 0.01}, 2: {"Te_rate": 0.003}}
+"""Weights of the rates in both parts, per Nm/s and N/s: without them torque and clutch force swing between samples."""
 _LEAN = 1e-5  # what a measured torque or force is moved by, off a threshold that a plan ended on
+_ON = 0.01  # N, threshold of the brake rule
 _FASTEST = {"Te_rate": (-396.0, 495.0), "Fnb_rate": (-495.0, 792.0), "Fnc_rate": (-495.0, 792.0)}
 _PRICE = 1e4
 
@@ -82,18 +91,19 @@ def shift_controller(shift: Shift, part: int, data: Transmission, node_limit: in
     outputs = {"torque": own.torque, "wf": own.wheel, "rel": own.relative}
     forces = {"Fnb": own.brake, "Fnc": own.clutch}
     x = {name: weight for name, weight in forces.items() if weight}
-    cost = Cost(y={name: weight for name, weight in outputs.items() if weight}, x=x, terminal=x)
+    y = {name: weight for name, weight in outputs.items() if weight}
+    cost = Cost(y=y, x=x, terminal=x, u=RATES[part])
     limits = shift_limits(shift, part, data)
-    return HybridMpc(part_model(shift, part, data), HORIZON, cost, limits, node_limit=node_limit, fallback="soft")
+    return HybridMpc(part_model(shift, part, data), HORIZON, cost, limits, node_limit=node_limit, gap_rel=GAP, fallback="soft")
 
 
 def _part(shift: Shift, part: int) -> Part:
     return shift.release if part == 1 else shift.engage
 
 
-def release_brake(_k: int, _x: Vector, _move: Any) -> Vector:
+def release_brake(_k: int, x: Vector, _move: Any) -> Vector:
     """Where no plan is found: brake off at its fastest rate, engine torque in its place, clutch as it is."""
-    return np.array([450.0, -495.0, 0.0])
+    return np.array([450.0 if x[1] > _ON else 0.0, -495.0, 0.0])
 
 
 @dataclass(eq=False)
@@ -106,37 +116,53 @@ class PartController:
     part : int
         1 or 2.
     data : Transmission
-    mpc : HybridMpc
+    mpc : HybridMpc, or another object with its ``solve`` and ``mld``
     since : float
         Second of the shift at which the part begins.
     force : float
         Clutch force at the begin of the shift [N].
-    noise : mapping of state to float
-        Standard deviations of the measurement.
-    rng : numpy Generator, optional
+    forces : array, optional
+        Clutch force wanted at the samples of part 1 [N]; zero by default.
+    sensors : Sensors, optional
+        What is measured of a state; all of it by default.
+    friction : FrictionEstimate, optional
+        What clutch and brake really grip; as much as in the model by default.
     """
 
     shift: Shift
     part: int
     data: Transmission
-    mpc: HybridMpc
+    mpc: Any
     since: float
     force: float
-    noise: Mapping[str, float] = field(default_factory=dict)
-    rng: Any = None
+    forces: Vector | None = None
+    sensors: Sensors = field(default_factory=Sensors)
+    friction: FrictionEstimate | None = None
 
     def solve(self, x: Vector, k: int) -> Move:
         """The move at step k of the part."""
-        seen = self._seen(x)
+        measured = self.sensors.read(x)
+        grip = np.ones(2) if self.friction is None else self.friction.update(measured)
+        seen = self._seen(measured, grip)
+        late = self.part == 2 and self._is_late(seen)
+        if late:
+            seen[1] = 0.0
         t = self.since + references.ahead(k)
-        return self.mpc.solve(seen, self._references(seen, t), limits=self._limits(seen, t))
+        move = self.mpc.solve(seen, self._references(seen, t), limits=self._limits(seen, t, grip))
+        if move.u is None:
+            return move
+        u = move.u / [1.0, grip[1], grip[0]]
+        return replace(move, u=np.array([u[0], _FASTEST["Fnb_rate"][0], u[2]]) if late else u)
 
-    def _seen(self, x: Vector) -> Vector:
-        """The measured state, on the sides of ranges and thresholds that the model knows."""
-        names = [v.name for v in self.mpc.mld.x]
-        noise = np.array([self.noise.get(name, 0.0) for name in names])
-        seen: Vector = x + (noise * self.rng.standard_normal(len(x)) if self.rng is not None else 0.0)
-        seen = np.clip(seen, [v.low for v in self.mpc.mld.x], [v.high for v in self.mpc.mld.x])
+    def _is_late(self, seen: Vector) -> bool:
+        """Whether the flywheel is about to reverse with the brake still on; its model has no such state."""
+        return seen[1] > _ON and self.data.flywheel_speed(seen[4], seen[5]) > BRAKE_RULE
+
+    def _seen(self, measured: Vector, grip: Vector) -> Vector:
+        """The state with effective forces, on the sides of ranges and thresholds that the model knows."""
+        variables = self.mpc.mld.x
+        seen: Vector = measured * [1.0, grip[1], grip[0], 1.0, 1.0, 1.0, 1.0]
+        seen = np.clip(seen, [v.low for v in variables], [v.high for v in variables])
         seen[0] = max(0.0, min(seen[0], engine_limit(seen[4], beyond="range")) - _LEAN)
         seen[1] = max(0.0, seen[1] - _LEAN)
         return seen
@@ -145,16 +171,25 @@ class PartController:
         shift, data = self.shift, self.data
         wanted: dict[str, Any] = {"torque": references.torque_reference(shift.torques, t, shift.fall)}
         if self.part == 2:
-            return wanted | {"rel": references.landing(data.relative_speed(shift.gears[1], x[4], x[5]))}
+            relative = data.relative_speed(shift.gears[1], x[4], x[5])
+            lands = abs(relative) <= references.LANDING_SPEED
+            return wanted | {"rel": references.landing(relative) if lands else 0.0}
         if shift.release.wheel:
             wanted["wf"] = references.wheel_reference(shift, data, x[5], self.force, t)
-        if shift.guard:
-            wanted["Fnc"] = references.clutch_reference(shift, data, self.force, t)
+        if self.forces is not None:
+            times = references.SAMPLE_TIME * np.arange(len(self.forces))
+            wanted["Fnc"] = np.interp(t, times, self.forces)
         return wanted
 
-    def _limits(self, x: Vector, t: Vector) -> Limits | None:
+    def _limits(self, x: Vector, t: Vector, grip: Vector) -> Limits | None:
+        limits = self._of_guard(x, t) if self.part == 1 else self._of_landing(x)
+        if self.friction is None:
+            return limits
+        return replace(limits or Limits(), u=_effective_rates(grip))
+
+    def _of_guard(self, x: Vector, t: Vector) -> Limits | None:
         guard = self.shift.guard
-        if self.part == 2 or guard is None:
+        if guard is None:
             return None
         fall = 495.0 * np.clip(guard.open_by - t, 0.0, None)
         within_reach = x[2] - 4.9 * np.arange(len(t))
@@ -162,3 +197,19 @@ class PartController:
         most[0] = 0.99 * self.shift.release.clutch_force
         wheel = (self.shift.release.wf[0], references.guard_limit(self.shift, self.data, x[5], t))
         return Limits(y={"wf": wheel}, x={"Fnc": (0.01, most)})
+
+
+    def _of_landing(self, x: Vector) -> Limits | None:
+        """The relative speed of an upshift falls no faster than lock-up allows."""
+        relative = self.data.relative_speed(self.shift.gears[1], x[4], x[5])
+        low = self.shift.engage.rel[0]
+        if low is None or relative <= 0.0:
+            return None
+        least = np.maximum(references.landing(relative) - references.LANDING_MARGIN, low)
+        return Limits(y={"rel": (least, None)})
+
+
+def _effective_rates(grip: Vector) -> dict[str, tuple[float, float]]:
+    """Limits of the rates of effective forces that the actuators can follow, within those of the model."""
+    shares = {"Fnb_rate": min(float(grip[1]), 1.0), "Fnc_rate": min(float(grip[0]), 1.0)}
+    return {name: (share * _FASTEST[name][0], share * _FASTEST[name][1]) for name, share in shares.items()}

@@ -161,3 +161,12 @@ class Transmission:
         return self.stationary(gear, torque, wheels) | {
             "Te": float(needed[0] + clutch), "Fnc": float(clutch) / self.mu, "dphi": twist
         }  # fmt: skip
+
+    def stuck_clutch(self, gear: int, x: NDArray[np.float64]) -> float:
+        """Torque that the clutch carries in a state in which it sticks, with the brake off [Nm]."""
+        engine, _, _, twist, _, secondary, wheels = x
+        ratio = self.gears[gear]
+        both = self.inertia(gear) @ [1.0 / ratio, 1.0]
+        torque = self.k * twist + self.d * (self.r_d * secondary - wheels)
+        gain = (engine / ratio - self.r_d * torque) / (both[0] / ratio + both[1])
+        return float(engine - both[0] * gain)

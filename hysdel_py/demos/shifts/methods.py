@@ -1,0 +1,118 @@
+"""Who runs a shift: the hybrid controllers of the document, or one of those that they are compared with.
+
+* ``hybrid``: both controllers of the document, with the switches of the models as decisions.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from hysdel_py.demos.shifts.cases import Shift
+from hysdel_py.demos.shifts.controllers import NODE_LIMIT, PartController, shift_controller
+from hysdel_py.demos.shifts.friction import FrictionEstimate
+from hysdel_py.demos.shifts.lockup import HANDED_OVER, Lockup
+from hysdel_py.demos.shifts.plant import SAMPLE_TIME
+from hysdel_py.demos.shifts.release_program import least_deviation
+from hysdel_py.demos.shifts.sensors import Sensors
+from hysdel_py.demos.shifts.transmission import Transmission
+from hysdel_py.errors import ArgumentError
+
+__all__ = ["METHODS", "Method", "first_state"]
+
+Vector = NDArray[np.float64]
+
+METHODS = ("hybrid",)
+"""Names of the controllers."""
+_CLUTCH = 2
+
+
+def first_state(shift: Shift, data: Transmission, grip: float = 1.0) -> Vector:
+    """State of the plant in which a shift begins; with a friction other than the model's the clutch force is another."""
+    begin = data.rolling if shift.rolling else data.stationary
+    state = np.array(list(begin(shift.gears[0], shift.torques[0], shift.speed).values()))
+    state[_CLUTCH] /= grip
+    return state
+
+
+@dataclass(eq=False)
+class Method:
+    """The controllers of both parts, and what they share.
+
+    Parameters
+    ----------
+    shift : Shift
+    data : Transmission
+    name : str
+        One of METHODS.
+    start : array of shape (7,)
+        First state of the plant.
+    sensors : Sensors
+    adapt : bool
+        Whether friction is estimated.
+    node_limit : int
+
+    Raises
+    ------
+    ArgumentError
+        Another name.
+    """
+
+    shift: Shift
+    data: Transmission
+    name: str
+    start: Vector
+    sensors: Sensors
+    adapt: bool = True
+    node_limit: int = NODE_LIMIT
+    _friction: FrictionEstimate | None = field(init=False, default=None)
+
+    def __post_init__(self) -> None:
+        if self.name not in METHODS:
+            raise ArgumentError(f"controller is {self.name!r}: one of {', '.join(METHODS)} was expected")
+        if self.adapt:
+            self._friction = FrictionEstimate(self.data, self.shift.gears[0], SAMPLE_TIME, self._first_grip())
+
+    def controller(self, part: int) -> Any:
+        """The controller of part 1 or 2."""
+        if self._friction is not None and part == 2:
+            self._friction.change_gear(self.shift.gears[1])
+        since = 0.0 if part == 1 else self.shift.release.seconds
+        return PartController(
+            self.shift, part, self.data, self._mpc(part), since, self._force(), self._forces(part), self.sensors,
+            self._friction,
+        )  # fmt: skip
+
+    def lockup(self) -> Lockup:
+        """What follows part 2."""
+        return Lockup(self.shift, self.data, self.sensors)
+
+    def met(self, _k: int, x: Vector) -> bool:
+        """Whether the speeds of engine and new gear have met, as far as is measured."""
+        seen = self.sensors.read(x)
+        return abs(self.data.relative_speed(self.shift.gears[1], seen[4], seen[5])) < HANDED_OVER
+
+    def _mpc(self, part: int) -> Any:
+        return shift_controller(self.shift, part, self.data, self.node_limit)
+
+    def _first_grip(self) -> float:
+        """A shift begins with a clutch that just sticks: its force tells its friction before anything slips."""
+        carried = self.data.stuck_clutch(self.shift.gears[0], self.start)
+        return carried / max(self.data.mu * self.start[_CLUTCH], 1.0)
+
+    def _force(self) -> float:
+        """Effective clutch force at the begin [N]."""
+        share = 1.0 if self._friction is None else self._first_grip()
+        return share * float(self.start[_CLUTCH])
+
+    def _forces(self, part: int) -> Vector | None:
+        """Clutch force of part 1 where engine and brake cannot carry the torque at once [N]."""
+        if part == 2 or self.shift.guard is None:
+            return None
+        start = self.start.copy()
+        start[_CLUTCH] = self._force()
+        plan = least_deviation(self.shift, self.data, start, self.shift.guard.open_by)
+        return np.asarray(plan.x[:, _CLUTCH] / self.data.mu, dtype=float)
