@@ -6,9 +6,10 @@ Weights, limits and horizon are those of the document. What departs from it:
 * The brake rule is planned with a flywheel 3 rad/s further back than the document's -5 rad/s, so that the plant keeps
   the rule between two samples.
 * A state measured beside the ranges of the model, or on a threshold, is moved to the side that the model knows.
-* A brake that is still on when the flywheel comes nearer than that is taken as off, and released at its fastest rate.
+* Nearer than that the brake is taken as off, and released at its fastest rate where it is not; so is a clutch that a
+  plan of part 1 leaves next to nothing.
 * The rates have a small weight, so that torque and clutch force do not swing from sample to sample.
-* Forces are effective ones, where an estimate of the friction is at hand: factor times force.
+* Forces are effective ones, where an observer tells the friction: factor times force.
 * Where hard limits leave no plan, a plan with softened limits is taken; where there is none either, the brake is
   released and the engine takes over its torque. Both are counted.
 """
@@ -28,7 +29,7 @@ from hysdel_py.control.limits import Limits
 from hysdel_py.control.move import Move
 from hysdel_py.demos.shifts import references
 from hysdel_py.demos.shifts.cases import HORIZON, Part, Shift
-from hysdel_py.demos.shifts.friction import FrictionEstimate
+from hysdel_py.demos.shifts.observer import ShiftObserver
 from hysdel_py.demos.shifts.sensors import Sensors
 from hysdel_py.demos.shifts.transmission import LEAST_SPEED, MOST_SPEED, Transmission, engine_limit
 from hysdel_py.model import Model, load
@@ -47,6 +48,7 @@ RATES = {1: {"Te_rate": 0.01, "Fnb_rate": 0.01, "Fnc_rate": 0.01}, 2: {"Te_rate"
 """Weights of the rates in both parts, per Nm/s and N/s: without them torque and clutch force swing between samples."""
 _LEAN = 1e-5  # what a measured torque or force is moved by, off a threshold that a plan ended on
 _ON = 0.01  # N, threshold of the brake rule
+_OPEN = 0.5  # N, clutch force that is let go
 _FASTEST = {"Te_rate": (-396.0, 495.0), "Fnb_rate": (-495.0, 792.0), "Fnc_rate": (-495.0, 792.0)}
 _PRICE = 1e4
 
@@ -125,8 +127,9 @@ class PartController:
         Clutch force wanted at the samples of part 1 [N]; zero by default.
     sensors : Sensors, optional
         What is measured of a state; all of it by default.
-    friction : FrictionEstimate, optional
-        What clutch and brake really grip; as much as in the model by default.
+    observer : ShiftObserver, optional
+        What state there is behind the measurement, and what clutch and brake really grip; as measured, and as much as
+        in the model, by default.
     """
 
     shift: Shift
@@ -137,32 +140,40 @@ class PartController:
     force: float
     forces: Vector | None = None
     sensors: Sensors = field(default_factory=Sensors)
-    friction: FrictionEstimate | None = None
+    observer: ShiftObserver | None = None
+    last: Vector = field(default_factory=lambda: np.zeros(3))
 
     def solve(self, x: Vector, k: int) -> Move:
         """The move at step k of the part."""
-        measured = self.sensors.read(x)
-        grip = np.ones(2) if self.friction is None else self.friction.update(measured)
-        seen = self._seen(measured, grip)
-        late = self.part == 2 and self._is_late(seen)
-        if late:
+        state, grip = self.sensors.read(x), np.ones(2)
+        if self.observer is not None:
+            state, grip = self.observer.update(state, self.last), self.observer.factors
+        move = self._planned(self._seen(state), self.since + references.ahead(k), grip)
+        self.last = release_brake(k, x, move) if move.u is None else move.u
+        return move
+
+    def _planned(self, seen: Vector, t: Vector, grip: Vector) -> Move:
+        off = self._brake_is_off(seen)
+        if off:
             seen[1] = 0.0
-        t = self.since + references.ahead(k)
         move = self.mpc.solve(seen, self._references(seen, t), limits=self._limits(seen, t, grip))
         if move.u is None:
             return move
-        u = move.u / [1.0, grip[1], grip[0]]
-        return replace(move, u=np.array([u[0], _FASTEST["Fnb_rate"][0], u[2]]) if late else u)
+        rates = move.u / [1.0, grip[1], grip[0]]
+        if off:
+            rates[1] = _FASTEST["Fnb_rate"][0]
+        if self.part == 1 and seen[2] + references.SAMPLE_TIME * move.u[2] < _OPEN:
+            rates[2] = _FASTEST["Fnc_rate"][0]
+        return replace(move, u=rates)
 
-    def _is_late(self, seen: Vector) -> bool:
-        """Whether the flywheel is about to reverse with the brake still on; its model has no such state."""
-        return seen[1] > _ON and self.data.flywheel_speed(seen[4], seen[5]) > BRAKE_RULE
+    def _brake_is_off(self, seen: Vector) -> bool:
+        """Whether the flywheel is about to reverse; a brake that is still on then is no state of its model."""
+        return self.part == 2 and self.data.flywheel_speed(seen[4], seen[5]) > BRAKE_RULE
 
-    def _seen(self, measured: Vector, grip: Vector) -> Vector:
-        """The state with effective forces, on the sides of ranges and thresholds that the model knows."""
+    def _seen(self, state: Vector) -> Vector:
+        """A state on the sides of ranges and thresholds that the model knows."""
         variables = self.mpc.mld.x
-        seen: Vector = measured * [1.0, grip[1], grip[0], 1.0, 1.0, 1.0, 1.0]
-        seen = np.clip(seen, [v.low for v in variables], [v.high for v in variables])
+        seen: Vector = np.clip(state, [v.low for v in variables], [v.high for v in variables])
         seen[0] = max(0.0, min(seen[0], engine_limit(seen[4], beyond="range")) - _LEAN)
         seen[1] = max(0.0, seen[1] - _LEAN)
         return seen
@@ -183,7 +194,7 @@ class PartController:
 
     def _limits(self, x: Vector, t: Vector, grip: Vector) -> Limits | None:
         limits = self._of_guard(x, t) if self.part == 1 else self._of_landing(x)
-        if self.friction is None:
+        if self.observer is None:
             return limits
         return replace(limits or Limits(), u=_effective_rates(grip))
 
@@ -205,7 +216,8 @@ class PartController:
         low = self.shift.engage.rel[0]
         if low is None or relative <= 0.0:
             return None
-        least = np.maximum(references.landing(relative) - references.LANDING_MARGIN, low)
+        always, share = references.LANDING_MARGIN
+        least = np.maximum(references.landing(relative) - always - share * relative, low)
         return Limits(y={"rel": (least, None)})
 
 

@@ -20,6 +20,8 @@ Vector = NDArray[np.float64]
 
 STUCK = 1e-6
 """Slip below which the clutch of the plant sticks [rad/s]; time-stepping leaves rounding only."""
+BRAKE_ON = 0.02
+"""Brake force above which the brake is on [N]; the models say 0.01, and know the friction only so well."""
 _STEP = SAMPLE_TIME / STEPS_PER_SAMPLE
 _JERK_WINDOW = 0.1  # s before and after lock-up
 _TOUCHED = 1e-6
@@ -192,7 +194,7 @@ def _broken(shift: Shift, fine: Vector, first: int) -> tuple[str, ...]:
     curve = np.array([engine_limit(speed) for speed in fine[:, FINE.index("we")]])
     beside["engine curve"] = float(np.max(fine[:, FINE.index("Te")] - curve)) - _BETWEEN_SAMPLES
     late = fine[first:]
-    braked = late[:, FINE.index("Fnb")] > 0.011
+    braked = late[:, FINE.index("Fnb")] > BRAKE_ON
     beside["brake rule"] = float(np.max(np.where(braked, late[:, FINE.index("wf")] + 5.0, -1.0)))
     side = 1.0 if shift.gears[1] > shift.gears[0] else -1.0
     beside["relative speed"] = float(np.max(-side * late[:, FINE.index("slip")])) - STUCK

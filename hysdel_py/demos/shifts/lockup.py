@@ -13,12 +13,14 @@ from hysdel_py.demos.shifts.sensors import Sensors
 from hysdel_py.demos.shifts.tracking import ClosedClutch
 from hysdel_py.demos.shifts.transmission import Transmission
 
-__all__ = ["HANDED_OVER", "LOCK_STEPS", "Lockup"]
+__all__ = ["CLOSE", "CLOSE_SAMPLES", "HANDED_OVER", "LOCK_STEPS", "Lockup"]
 
 Vector = NDArray[np.float64]
 
 HANDED_OVER = 0.1
 """Relative speed from which on this law acts [rad/s]."""
+CLOSE, CLOSE_SAMPLES = 1.0, 8
+"""The same after so many samples below this relative speed [rad/s]: a controller whose model is off may stay above zero."""
 LOCK_STEPS = 30
 _WAIT = 3  # samples in which engine and brake stay as they are, while the clutch meets its shaft
 _GENTLE_STEPS = 5

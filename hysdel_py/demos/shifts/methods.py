@@ -13,8 +13,8 @@ from numpy.typing import NDArray
 
 from hysdel_py.demos.shifts.cases import Shift
 from hysdel_py.demos.shifts.controllers import NODE_LIMIT, PartController, shift_controller
-from hysdel_py.demos.shifts.friction import FrictionEstimate
-from hysdel_py.demos.shifts.lockup import HANDED_OVER, Lockup
+from hysdel_py.demos.shifts.observer import ShiftObserver
+from hysdel_py.demos.shifts.lockup import CLOSE, CLOSE_SAMPLES, HANDED_OVER, Lockup
 from hysdel_py.demos.shifts.plant import SAMPLE_TIME
 from hysdel_py.demos.shifts.release_program import least_deviation
 from hysdel_py.demos.shifts.sensors import Sensors
@@ -51,8 +51,10 @@ class Method:
     start : array of shape (7,)
         First state of the plant.
     sensors : Sensors
-    adapt : bool
-        Whether friction is estimated.
+    delay : float
+        Seconds until an input takes effect, as far as the controllers know.
+    observed : bool
+        Whether an observer stands between measurement and controllers.
     node_limit : int
 
     Raises
@@ -66,24 +68,27 @@ class Method:
     name: str
     start: Vector
     sensors: Sensors
-    adapt: bool = True
+    delay: float = 0.0
+    observed: bool = True
     node_limit: int = NODE_LIMIT
-    _friction: FrictionEstimate | None = field(init=False, default=None)
+    _observer: ShiftObserver | None = field(init=False, default=None)
+    _close: int = field(init=False, default=0)
 
     def __post_init__(self) -> None:
         if self.name not in METHODS:
             raise ArgumentError(f"controller is {self.name!r}: one of {', '.join(METHODS)} was expected")
-        if self.adapt:
-            self._friction = FrictionEstimate(self.data, self.shift.gears[0], SAMPLE_TIME, self._first_grip())
+        if self.observed:
+            gear, grip = self.shift.gears[0], self._first_grip()
+            self._observer = ShiftObserver(self.data, gear, SAMPLE_TIME, grip, self.delay)
 
     def controller(self, part: int) -> Any:
         """The controller of part 1 or 2."""
-        if self._friction is not None and part == 2:
-            self._friction.change_gear(self.shift.gears[1])
+        if self._observer is not None and part == 2:
+            self._observer.change_gear(self.shift.gears[1])
         since = 0.0 if part == 1 else self.shift.release.seconds
         return PartController(
             self.shift, part, self.data, self._mpc(part), since, self._force(), self._forces(part), self.sensors,
-            self._friction,
+            self._observer,
         )  # fmt: skip
 
     def lockup(self) -> Lockup:
@@ -91,9 +96,11 @@ class Method:
         return Lockup(self.shift, self.data, self.sensors)
 
     def met(self, _k: int, x: Vector) -> bool:
-        """Whether the speeds of engine and new gear have met, as far as is measured."""
+        """Whether the speeds of engine and new gear have met as far as is measured, or are close and stay so."""
         seen = self.sensors.read(x)
-        return abs(self.data.relative_speed(self.shift.gears[1], seen[4], seen[5])) < HANDED_OVER
+        relative = abs(self.data.relative_speed(self.shift.gears[1], seen[4], seen[5]))
+        self._close = self._close + 1 if relative < CLOSE else 0
+        return relative < HANDED_OVER or self._close > CLOSE_SAMPLES
 
     def _mpc(self, part: int) -> Any:
         return shift_controller(self.shift, part, self.data, self.node_limit)
@@ -105,7 +112,7 @@ class Method:
 
     def _force(self) -> float:
         """Effective clutch force at the begin [N]."""
-        share = 1.0 if self._friction is None else self._first_grip()
+        share = 1.0 if self._observer is None else self._first_grip()
         return share * float(self.start[_CLUTCH])
 
     def _forces(self, part: int) -> Vector | None:

@@ -32,8 +32,8 @@ _RELEASE_RATE = 495.0  # N/s
 _WHEEL_SECONDS = 0.25  # from the opened clutch to the target
 LANDING_SPEED = 40.0
 """Relative speed below which it has this reference; above the reference is zero [rad/s]."""
-LANDING_MARGIN = 0.5
-"""By how much a plan may fall faster [rad/s]."""
+LANDING_MARGIN = (0.05, 0.1)
+"""By how much a plan may be below [rad/s]: a number, and a share of the relative speed."""
 LANDING_FADING = 1000.0
 """How fast [rad/s^3]."""
 LANDING_SLOPE = 8.0

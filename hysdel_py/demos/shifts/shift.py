@@ -109,7 +109,7 @@ def run_shift(
     deviation: Deviation | None = None,
     noise: Mapping[str, float] | None = None,
     seed: int = 0,
-    adapt: bool = True,
+    observed: bool = True,
     node_limit: int = NODE_LIMIT,
     progress: Callable[[int, int], Any] | None = None,
 ) -> ShiftRun:
@@ -129,8 +129,9 @@ def run_shift(
         Standard deviations of the measurement.
     seed : int
         Of the noise.
-    adapt : bool
-        Whether the controllers estimate what clutch and brake really grip.
+    observed : bool
+        Whether an observer tells the controllers what clutch and brake really grip, what is behind the noise, and
+        where the plant is when a delayed input begins to act.
     node_limit : int
         Nodes of the branch and bound per move.
     progress : callable, optional
@@ -138,7 +139,10 @@ def run_shift(
     """
     data, deviation = data or Transmission(), deviation or Deviation()
     begin = first_state(shift, data, deviation.friction) if start is None else np.asarray(start, dtype=float)
-    method = Method(shift, data, controller, begin, Sensors(noise or {}, seed), adapt=adapt, node_limit=node_limit)
+    method = Method(
+        shift, data, controller, begin, Sensors(noise or {}, seed), deviation.delay, observed=observed,
+        node_limit=node_limit,
+    )  # fmt: skip
     parts, fine = _Journey(method, deviation, progress).run(begin)
     return ShiftRun(shift, parts, fine, judged(shift, data, parts, fine), data, controller)
 
