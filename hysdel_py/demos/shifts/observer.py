@@ -82,14 +82,14 @@ class ShiftObserver:
         last : array of shape (3,)
             Rates that were asked for in the sample before.
         """
+        sticks = self._sticks(x if self._before is None else self._before, x)
         if self._before is None:
             self._restart(x)
         else:
-            sticks = self._sticks(self._before, x)
             self._predict((self._before + x) / 2, _STUCK_DRIFT if sticks else _DRIFT)
             self._correct(x[_MOVING], learns=not sticks)
         self._before = np.array(x, dtype=float)
-        return self._ahead(x, last)
+        return self._ahead(x, last, sticks=sticks)
 
     def _restart(self, x: Vector) -> None:
         """What moves is as measured."""
@@ -116,7 +116,7 @@ class ShiftObserver:
     def _generator(self, inputs: Vector) -> Matrix:
         """Of twist, speeds, both factors and the number one, for an engine torque and forces that stay."""
         _, engine, secondary, _ = self._moving
-        clutch = np.sign(self.data.relative_speed(self.gear, engine, secondary)) or 1.0
+        clutch = -1.0 if self.data.relative_speed(self.gear, engine, secondary) < -_SLIPS else 1.0
         brake = -np.sign(self.data.flywheel_speed(engine, secondary))
         rows, found = self._A[_MOVING], np.zeros((7, 7))
         found[:4, :4] = rows[:, _MOVING]
@@ -125,12 +125,13 @@ class ShiftObserver:
         found[:4, 6] = rows[:, 0] * inputs[0]
         return found
 
-    def _ahead(self, x: Vector, last: Vector) -> Vector:
-        """The state when the next input begins to act, with effective forces."""
+    def _ahead(self, x: Vector, last: Vector, *, sticks: bool) -> Vector:
+        """The state when the next input begins to act, with effective forces; what sticks stays."""
         inputs, moving = np.array(x[:3], dtype=float), self._moving
-        if self.delay:
+        if self.delay and not sticks:
             step = _exponential(self._generator(inputs + self.delay / 2 * last) * self.delay)
             moving = (step @ np.concatenate([moving, self.factors, [1.0]]))[:4]
+        if self.delay:
             inputs = np.maximum(inputs + self.delay * last, 0.0)
         return np.concatenate([inputs * [1.0, self.factors[1], self.factors[0]], moving])
 
