@@ -34,7 +34,10 @@ from hysdel_py.demos.shifts.sensors import Sensors
 from hysdel_py.demos.shifts.transmission import LEAST_SPEED, MOST_SPEED, Transmission, engine_limit
 from hysdel_py.model import Model, load
 
-__all__ = ["NODE_LIMIT", "PartController", "part_model", "release_brake", "shift_controller", "shift_limits"]
+__all__ = [
+    "NODE_LIMIT", "PartController", "part_model", "part_of", "release_brake", "shift_controller", "shift_cost",
+    "shift_limits",
+]  # fmt: skip
 
 Vector = NDArray[np.float64]
 
@@ -72,7 +75,7 @@ def part_model(shift: Shift, part: int, data: Transmission) -> Model:
 def shift_limits(shift: Shift, part: int, data: Transmission) -> Limits:
     """Limits of the document: 0.99 and 1.01 times those of the model."""
     low, high = 1.01 * LEAST_SPEED, 0.99 * MOST_SPEED
-    own, gear = _part(shift, part), data.gears[shift.gears[part - 1]]
+    own, gear = part_of(shift, part), data.gears[shift.gears[part - 1]]
     brake = 0.99 * shift.force if own.brake_force is None else own.brake_force
     return Limits(
         x={
@@ -89,17 +92,21 @@ def shift_limits(shift: Shift, part: int, data: Transmission) -> Limits:
 
 def shift_controller(shift: Shift, part: int, data: Transmission, node_limit: int = NODE_LIMIT) -> HybridMpc:
     """The controller of part 1 or 2 of a shift."""
-    own = _part(shift, part)
+    model, cost, limits = part_model(shift, part, data), shift_cost(part_of(shift, part), part), shift_limits(shift, part, data)
+    return HybridMpc(model, HORIZON, cost, limits, node_limit=node_limit, gap_rel=GAP, fallback="soft")
+
+
+def shift_cost(own: Part, part: int) -> Cost:
+    """Weights of the document, and those of the rates."""
     outputs = {"torque": own.torque, "wf": own.wheel, "rel": own.relative}
     forces = {"Fnb": own.brake, "Fnc": own.clutch}
     x = {name: weight for name, weight in forces.items() if weight}
     y = {name: weight for name, weight in outputs.items() if weight}
-    cost = Cost(y=y, x=x, terminal=x, u=RATES[part])
-    limits = shift_limits(shift, part, data)
-    return HybridMpc(part_model(shift, part, data), HORIZON, cost, limits, node_limit=node_limit, gap_rel=GAP, fallback="soft")
+    return Cost(y=y, x=x, terminal=x, u=RATES[part])
 
 
-def _part(shift: Shift, part: int) -> Part:
+def part_of(shift: Shift, part: int) -> Part:
+    """Part 1 or 2 of a shift."""
     return shift.release if part == 1 else shift.engage
 
 
@@ -130,6 +137,8 @@ class PartController:
     observer : ShiftObserver, optional
         What state there is behind the measurement, and what clutch and brake really grip; as measured, and as much as
         in the model, by default.
+    modes : FixedModes, optional
+        Limits that stand for the switches that the model of `mpc` lacks.
     """
 
     shift: Shift
@@ -141,6 +150,7 @@ class PartController:
     forces: Vector | None = None
     sensors: Sensors = field(default_factory=Sensors)
     observer: ShiftObserver | None = None
+    modes: Any = None
     last: Vector = field(default_factory=lambda: np.zeros(3))
 
     def solve(self, x: Vector, k: int) -> Move:
@@ -157,6 +167,8 @@ class PartController:
         if off:
             seen[1] = 0.0
         move = self.mpc.solve(seen, self._references(seen, t), limits=self._limits(seen, t, grip))
+        if self.modes is not None:
+            self.modes.remember(move)
         if move.u is None:
             return move
         rates = move.u / [1.0, grip[1], grip[0]]
@@ -194,6 +206,8 @@ class PartController:
 
     def _limits(self, x: Vector, t: Vector, grip: Vector) -> Limits | None:
         limits = self._of_guard(x, t) if self.part == 1 else self._of_landing(x)
+        if self.modes is not None:
+            limits = replace(limits or Limits(), x=self.modes.limits().x)
         if self.observer is None:
             return limits
         return replace(limits or Limits(), u=_effective_rates(grip))

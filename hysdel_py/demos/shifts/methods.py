@@ -1,6 +1,9 @@
 """Who runs a shift: the hybrid controllers of the document, or one of those that they are compared with.
 
 * ``hybrid``: both controllers of the document, with the switches of the models as decisions.
+* ``linear``: the same weights, limits and horizon, with the sequence of modes fixed beforehand; see
+  :mod:`hysdel_py.demos.shifts.fixed_modes`.
+* ``ramps``: what is done without a predictive controller; see :mod:`hysdel_py.demos.shifts.ramps`.
 """
 
 from __future__ import annotations
@@ -14,8 +17,10 @@ from numpy.typing import NDArray
 from hysdel_py.demos.shifts.cases import Shift
 from hysdel_py.demos.shifts.controllers import NODE_LIMIT, PartController, shift_controller
 from hysdel_py.demos.shifts.observer import ShiftObserver
+from hysdel_py.demos.shifts.fixed_modes import FixedModes, linear_controller
 from hysdel_py.demos.shifts.lockup import CLOSE, CLOSE_SAMPLES, HANDED_OVER, Lockup
 from hysdel_py.demos.shifts.plant import SAMPLE_TIME
+from hysdel_py.demos.shifts.ramps import RampController, RampTuning
 from hysdel_py.demos.shifts.release_program import least_deviation
 from hysdel_py.demos.shifts.sensors import Sensors
 from hysdel_py.demos.shifts.transmission import Transmission
@@ -25,7 +30,7 @@ __all__ = ["METHODS", "Method", "first_state"]
 
 Vector = NDArray[np.float64]
 
-METHODS = ("hybrid",)
+METHODS = ("hybrid", "linear", "ramps")
 """Names of the controllers."""
 _CLUTCH = 2
 
@@ -56,6 +61,8 @@ class Method:
     observed : bool
         Whether an observer stands between measurement and controllers.
     node_limit : int
+    tuning : RampTuning, optional
+        Of the ramps.
 
     Raises
     ------
@@ -71,6 +78,7 @@ class Method:
     delay: float = 0.0
     observed: bool = True
     node_limit: int = NODE_LIMIT
+    tuning: RampTuning = field(default_factory=RampTuning)
     _observer: ShiftObserver | None = field(init=False, default=None)
     _close: int = field(init=False, default=0)
 
@@ -85,10 +93,12 @@ class Method:
         """The controller of part 1 or 2."""
         if self._observer is not None and part == 2:
             self._observer.change_gear(self.shift.gears[1])
+        if self.name == "ramps":
+            return RampController(self.shift, part, self.data, self.sensors, self.start, self.tuning)
         since = 0.0 if part == 1 else self.shift.release.seconds
         return PartController(
             self.shift, part, self.data, self._mpc(part), since, self._force(), self._forces(part), self.sensors,
-            self._observer,
+            self._observer, self._modes(part),
         )  # fmt: skip
 
     def lockup(self) -> Lockup:
@@ -103,7 +113,15 @@ class Method:
         return relative < HANDED_OVER or self._close > CLOSE_SAMPLES
 
     def _mpc(self, part: int) -> Any:
+        if self.name == "linear":
+            return linear_controller(self.shift, part, self.data)
         return shift_controller(self.shift, part, self.data, self.node_limit)
+
+    def _modes(self, part: int) -> FixedModes | None:
+        if self.name != "linear" or part == 1:
+            return None
+        own = self.shift.engage.brake_force
+        return FixedModes(0.99 * self.shift.force if own is None else own)
 
     def _first_grip(self) -> float:
         """A shift begins with a clutch that just sticks: its force tells its friction before anything slips."""

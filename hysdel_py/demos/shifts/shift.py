@@ -21,6 +21,7 @@ from hysdel_py.demos.shifts.judgement import Judgement, drive_torque, judged
 from hysdel_py.demos.shifts.lockup import LOCK_STEPS
 from hysdel_py.demos.shifts.methods import Method, first_state
 from hysdel_py.demos.shifts.plant import SAMPLE_TIME, STEPS_PER_SAMPLE, Deviation, ShiftPlant
+from hysdel_py.demos.shifts.ramps import RampTuning
 from hysdel_py.demos.shifts.references import torque_reference
 from hysdel_py.demos.shifts.sensors import Sensors
 from hysdel_py.demos.shifts.transmission import STATES, Transmission
@@ -111,6 +112,7 @@ def run_shift(
     seed: int = 0,
     observed: bool = True,
     node_limit: int = NODE_LIMIT,
+    tuning: RampTuning | None = None,
     progress: Callable[[int, int], Any] | None = None,
 ) -> ShiftRun:
     """Run a shift on the plant with stick and slip.
@@ -134,6 +136,8 @@ def run_shift(
         where the plant is when a delayed input begins to act.
     node_limit : int
         Nodes of the branch and bound per move.
+    tuning : RampTuning, optional
+        Of the ramps.
     progress : callable, optional
         Called with the step and the number of steps.
     """
@@ -141,7 +145,7 @@ def run_shift(
     begin = first_state(shift, data, deviation.friction) if start is None else np.asarray(start, dtype=float)
     method = Method(
         shift, data, controller, begin, Sensors(noise or {}, seed), deviation.delay, observed=observed,
-        node_limit=node_limit,
+        node_limit=node_limit, tuning=tuning or RampTuning(),
     )  # fmt: skip
     parts, fine = _Journey(method, deviation, progress).run(begin)
     return ShiftRun(shift, parts, fine, judged(shift, data, parts, fine), data, controller)
