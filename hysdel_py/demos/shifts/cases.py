@@ -138,12 +138,12 @@ _HELD = replace(
     torques=(1300.0, 850.0), fall=0.3, rolling=True,
 )  # fmt: skip
 _DOWN = Shift(
-    "downshift", "downshift under power, the brake off", (3, 2), (400.0, 400.0), 45.0,
+    "downshift-32", "downshift from third to second gear under power, the brake off", (3, 2), (400.0, 400.0), 45.0,
     Part(50.0, clutch=100.0, brake_force=0.01),
     Part(50.0, relative=1.0, rel=(-400.0, None), brake_force=0.01, seconds=1.0),
     slip_back=-1000.0,
 )  # fmt: skip
-SHIFTS: Mapping[str, Shift] = {shift.name: shift for shift in (_CONSTANT, _DECREASING, _FIRST, _HELD)}
+SHIFTS: Mapping[str, Shift] = {shift.name: shift for shift in (_CONSTANT, _DECREASING, _FIRST, _HELD, _DOWN)}
 """By the name that the command takes."""
 
 

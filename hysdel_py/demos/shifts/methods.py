@@ -60,6 +60,8 @@ class Method:
         Seconds until an input takes effect, as far as the controllers know.
     observed : bool
         Whether an observer stands between measurement and controllers.
+    just_sticks : bool
+        Whether the clutch has no force to spare when the shift begins.
     node_limit : int
     tuning : RampTuning, optional
         Of the ramps.
@@ -77,6 +79,7 @@ class Method:
     sensors: Sensors
     delay: float = 0.0
     observed: bool = True
+    just_sticks: bool = True
     node_limit: int = NODE_LIMIT
     tuning: RampTuning = field(default_factory=RampTuning)
     _observer: ShiftObserver | None = field(init=False, default=None)
@@ -124,9 +127,13 @@ class Method:
         return FixedModes(0.99 * self.shift.force if own is None else own)
 
     def _first_grip(self) -> float:
-        """A shift begins with a clutch that just sticks: its force tells its friction before anything slips."""
-        carried = self.data.stuck_clutch(self.shift.gears[0], self.start)
-        return carried / max(self.data.mu * self.start[_CLUTCH], 1.0)
+        """A clutch that just sticks tells its friction by its force, before anything slips."""
+        if not self.just_sticks:
+            return 1.0
+        return self._carried() / max(self.data.mu * self.start[_CLUTCH], 1.0)
+
+    def _carried(self) -> float:
+        return self.data.stuck_clutch(self.shift.gears[0], self.start)
 
     def _force(self) -> float:
         """Effective clutch force at the begin [N]."""
@@ -138,6 +145,9 @@ class Method:
         if part == 2 or self.shift.guard is None:
             return None
         start = self.start.copy()
-        start[_CLUTCH] = self._force()
-        plan = least_deviation(self.shift, self.data, start, self.shift.guard.open_by)
+        start[_CLUTCH] = max(self._carried() / self.data.mu, 0.0)
+        try:
+            plan = least_deviation(self.shift, self.data, start, self.shift.guard.open_by)
+        except ArgumentError:  # the start leaves no such plan; the clutch force follows zero, as in the other shifts
+            return None
         return np.asarray(plan.x[:, _CLUTCH] / self.data.mu, dtype=float)

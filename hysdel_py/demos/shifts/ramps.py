@@ -55,17 +55,17 @@ class RampTuning:
         Torque at the wheels against the rate of the twist [Nm s/rad].
     """
 
-    open_seconds: float = 0.3
-    release_seconds: float = 0.2
-    close_seconds: float = 0.25
-    clutch_share: float = 1.4
-    per_speed: float = 2.0
-    slip: float = 4.0
-    per_slip: float = 3.0
-    low_share: float = 0.8
+    open_seconds: float = 0.27
+    release_seconds: float = 0.27
+    close_seconds: float = 0.33
+    clutch_share: float = 2.0
+    per_speed: float = 2.5
+    slip: float = 3.6
+    per_slip: float = 7.0
+    low_share: float = 1.0
     proportional: float = 0.1
-    integral: float = 2.0
-    damping: float = 80.0
+    integral: float = 1.8
+    damping: float = 45.0
 
 
 @dataclass(eq=False)

@@ -145,7 +145,7 @@ def run_shift(
     begin = first_state(shift, data, deviation.friction) if start is None else np.asarray(start, dtype=float)
     method = Method(
         shift, data, controller, begin, Sensors(noise or {}, seed), deviation.delay, observed=observed,
-        node_limit=node_limit, tuning=tuning or RampTuning(),
+        just_sticks=start is None, node_limit=node_limit, tuning=tuning or RampTuning(),
     )  # fmt: skip
     parts, fine = _Journey(method, deviation, progress).run(begin)
     return ShiftRun(shift, parts, fine, judged(shift, data, parts, fine), data, controller)
