@@ -92,7 +92,7 @@ def table(rows: Sequence[dict[str, Any]]) -> None:
 def picture(rows: Sequence[dict[str, Any]], path: Path) -> None:
     from hysdel_py.plotting.shift_study import plot_study
 
-    plot_study([group for group in groups(rows) if group[0]["controller"] == "hybrid"]).savefig(path)
+    plot_study(groups(rows)).savefig(path)
 
 
 def main() -> None:

@@ -60,7 +60,10 @@ def compare(names: list[str]) -> None:
     print(f"| shift | controller | {COLUMNS}\n|{'---|' * 12}")
     for name in names:
         for controller in METHODS:
-            print(f"| {name} | {controller} | {row_of(run_shift(SHIFTS[name], controller=controller).judgement)}", flush=True)
+            print(
+                f"| {name} | {controller} | {row_of(run_shift(SHIFTS[name], controller=controller).judgement)}",
+                flush=True,
+            )
 
 
 def variants(names: list[str]) -> None:
@@ -96,7 +99,9 @@ def tune_ramps(steps: int, seed: int = 0) -> None:
     print(f"start: {cost:.1f} {best}")
     for _ in range(steps):
         factors = np.exp(0.2 * rng.standard_normal(len(asdict(best))))
-        tried = RampTuning(**{name: float(value * f) for (name, value), f in zip(asdict(best).items(), factors, strict=True)})
+        tried = RampTuning(
+            **{name: float(value * f) for (name, value), f in zip(asdict(best).items(), factors, strict=True)}
+        )
         found = price(tried)
         if found < cost:
             best, cost = tried, found

@@ -48,7 +48,8 @@ def row_of(kind: str, part: int, horizon: int, whole: bool, seconds: float) -> s
     except hys.HysdelError as error:
         return f"| {kind} | {part} | {horizon} | {len(box)} | - | - | {time.process_time() - begin:.1f} | {error} |"
     took = time.process_time() - begin
-    return f"| {kind} | {part} | {horizon} | {len(box)} | {len(law.sequences)} | {law.count} | {took:.1f} | {'yes' if law.complete else 'no'} |"
+    found, complete = f"{len(law.sequences)} | {law.count}", "yes" if law.complete else "no"
+    return f"| {kind} | {part} | {horizon} | {len(box)} | {found} | {took:.1f} | {complete} |"
 
 
 def main() -> None:

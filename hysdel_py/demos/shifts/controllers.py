@@ -92,7 +92,11 @@ def shift_limits(shift: Shift, part: int, data: Transmission) -> Limits:
 
 def shift_controller(shift: Shift, part: int, data: Transmission, node_limit: int = NODE_LIMIT) -> HybridMpc:
     """The controller of part 1 or 2 of a shift."""
-    model, cost, limits = part_model(shift, part, data), shift_cost(part_of(shift, part), part), shift_limits(shift, part, data)
+    model, cost, limits = (
+        part_model(shift, part, data),
+        shift_cost(part_of(shift, part), part),
+        shift_limits(shift, part, data),
+    )
     return HybridMpc(model, HORIZON, cost, limits, node_limit=node_limit, gap_rel=GAP, fallback="soft")
 
 
@@ -222,7 +226,6 @@ class PartController:
         most[0] = 0.99 * self.shift.release.clutch_force
         wheel = (self.shift.release.wf[0], references.guard_limit(self.shift, self.data, x[5], t))
         return Limits(y={"wf": wheel}, x={"Fnc": (0.01, most)})
-
 
     def _of_landing(self, x: Vector) -> Limits | None:
         """The relative speed of an upshift falls no faster than lock-up allows."""

@@ -199,7 +199,7 @@ class _Drive:
         return run.end
 
     def _roll(self, x: Vector, torque: float) -> Vector:
-        """One sample with the clutch closed: the engine follows the wanted torque with damping, the clutch the engine."""
+        """One sample with the clutch closed: the engine follows the wanted torque, the clutch the engine."""
         plant = self._plant()
         step = _WANTED_RATE * SAMPLE_TIME
         self._wanted += float(np.clip(torque - self._wanted, -step, step))

@@ -1,8 +1,8 @@
 """A controller without binaries: what a linear predictive controller does with a plant that switches.
 
-Its model has the clutch slipping forwards and the flywheel turning backwards all along. The brake rule is handed to it as
-limits: where its own last plan, one sample later, has the flywheel near its reversal or beyond, the brake may not be on.
-The sequence of modes is thus fixed before each plan, by the plan before, instead of being chosen with it.
+Its model has the clutch slipping forwards and the flywheel turning backwards all along. The brake rule is handed to it
+as limits: where its own last plan, one sample later, has the flywheel near its reversal or beyond, the brake may not be
+on. The sequence of modes is thus fixed before each plan, by the plan before, instead of being chosen with it.
 """
 
 from __future__ import annotations

@@ -20,7 +20,7 @@ Vector = NDArray[np.float64]
 HANDED_OVER = 0.1
 """Relative speed from which on this law acts [rad/s]."""
 CLOSE, CLOSE_SAMPLES = 1.0, 8
-"""The same after so many samples below this relative speed [rad/s]: a controller whose model is off may stay above zero."""
+"""The same after so many samples below this relative speed [rad/s]: with a model that is off it may stay above zero."""
 LOCK_STEPS = 30
 _WAIT = 3  # samples in which engine and brake stay as they are, while the clutch meets its shaft
 _GENTLE_STEPS = 5
@@ -31,8 +31,8 @@ _RELEASE = -495.0  # N/s, of a brake that is still on
 class Lockup:
     """Law for the samples after part 2.
 
-    The clutch closes a little faster than the controller of part 2 left it, until it must have stuck, and then fast. Engine
-    and brake wait for that; then the brake is released, and the engine follows the torque with damping.
+    The clutch closes a little faster than the controller of part 2 left it, until it must have stuck, and then fast.
+    Engine and brake wait for that; then the brake is released, and the engine follows the torque with damping.
 
     Parameters
     ----------

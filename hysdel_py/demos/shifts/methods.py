@@ -16,9 +16,9 @@ from numpy.typing import NDArray
 
 from hysdel_py.demos.shifts.cases import Shift
 from hysdel_py.demos.shifts.controllers import NODE_LIMIT, PartController, shift_controller
-from hysdel_py.demos.shifts.observer import ShiftObserver
 from hysdel_py.demos.shifts.fixed_modes import FixedModes, linear_controller
 from hysdel_py.demos.shifts.lockup import CLOSE, CLOSE_SAMPLES, HANDED_OVER, Lockup
+from hysdel_py.demos.shifts.observer import ShiftObserver
 from hysdel_py.demos.shifts.plant import SAMPLE_TIME
 from hysdel_py.demos.shifts.ramps import RampController, RampTuning
 from hysdel_py.demos.shifts.release_program import least_deviation
@@ -36,7 +36,7 @@ _CLUTCH = 2
 
 
 def first_state(shift: Shift, data: Transmission, grip: float = 1.0) -> Vector:
-    """State of the plant in which a shift begins; with a friction other than the model's the clutch force is another."""
+    """State of the plant in which a shift begins; the clutch just sticks, with the friction that it has."""
     begin = data.rolling if shift.rolling else data.stationary
     state = np.array(list(begin(shift.gears[0], shift.torques[0], shift.speed).values()))
     state[_CLUTCH] /= grip

@@ -3,8 +3,8 @@
 Clutch and brake follow ramps, the engine or the brake what a static balance of the torques asks for beside them, and a
 PI controller of the torque at the wheels, with damping of the drive shaft, trims it:
 
-* part 1: the clutch opens evenly while the engine holds a little positive slip, and then goes down to a lower torque; the
-  brake carries what engine and clutch do not, with the trim on the brake;
+* part 1: the clutch opens evenly while the engine holds a little positive slip, and then goes to a torque that stays;
+  the brake carries what engine and clutch do not, with the trim on the brake;
 * part 2: the brake goes off evenly while the clutch takes over up to a force that slows the engine down; the engine
   torque balances both, with the trim on the engine. Near the speed of the new gear the clutch force comes down with the
   relative speed to what sticking needs, so that the clutch is met softly.

@@ -8,8 +8,8 @@ The document made its references with a block diagram that its text does not hol
   to open, and then goes to its target on the same polynomial. The model of part 1 knows slipping friction only: were
   the engine allowed to fall behind its shaft while the clutch still carries torque, the clutch of the plant would
   stick and then pull the other way, and the torque at the wheels would lack what the model counts on;
-* the relative speed of part 2 has the reference zero until it is small, and then a parabola from where it is, so that the
-  clutch locks with a small relative acceleration;
+* the relative speed of part 2 has the reference zero until it is small, and then a parabola from where it is, so that
+  the clutch locks with a small relative acceleration;
 * brake force has the reference zero, and clutch force too where engine and brake can carry the torque alone. Where they
   cannot at once, in the shift from first gear, it is the clutch force of :mod:`hysdel_py.demos.shifts.release_program`.
 """

@@ -14,19 +14,18 @@ shaft while the clutch is closed: the clutch then pulls the wheels back.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import cache
 
 import numpy as np
 from numpy.typing import NDArray
 
 from hysdel_py.demos.shifts.cases import Shift
 from hysdel_py.demos.shifts.references import SAMPLE_TIME, smooth, torque_reference
+from hysdel_py.demos.shifts.response import Response, unit
 from hysdel_py.demos.shifts.transmission import LEAST_SPEED, MOST_SPEED, Transmission
 from hysdel_py.errors import ArgumentError
 from hysdel_py.geometry.lp import Lp, LpResult, maximise, sharpened_bound
-from hysdel_py.systems.lti import Lti
 
-__all__ = ["ReleasePlan", "greatest_held", "least_deviation", "slipping"]
+__all__ = ["ReleasePlan", "greatest_held", "least_deviation"]
 
 Vector = NDArray[np.float64]
 Matrix = NDArray[np.float64]
@@ -64,24 +63,6 @@ class ReleasePlan:
     opens: float
     x: Matrix
     u: Matrix
-
-
-def slipping(data: Transmission, gear: int) -> tuple[Matrix, Matrix, Vector]:
-    """Matrices A and B of the transmission with forward slip and backward flywheel, and the row of the torque.
-
-    The states are those of the models, with torques of brake and clutch in place of forces; inertias and torques are
-    those of (10.4) to (10.7) before the elimination of the inner forces.
-    """
-    ratio, a = data.gears[gear], data.z / data.r_gn
-    torque = np.array([0.0, 0.0, 0.0, data.k, 0.0, data.d * data.r_d, -data.d])
-    moving = np.array([[1.0, -data.z, -1.0, 0.0, 0.0, 0.0, 0.0], [0.0, a, 1.0 / ratio, 0.0, 0.0, 0.0, 0.0]])
-    moving[1] -= data.r_d * torque
-    A = np.zeros((7, 7))
-    A[3, [_WS, _WV]] = data.r_d, -1.0
-    A[[_WE, _WS]] = np.linalg.solve(data.inertia(gear), moving)
-    A[_WV] = torque / data.J_v
-    A[_WV, _WV] -= data.b_v / data.J_v
-    return A, np.vstack([np.eye(3), np.zeros((4, 3))]), torque
 
 
 def least_deviation(shift: Shift, data: Transmission, start: Vector, opens: float | None = None) -> ReleasePlan:
@@ -143,7 +124,7 @@ class _Release:
         return round(self.shift.release.seconds / SAMPLE_TIME)
 
     def plan(self) -> ReleasePlan | None:
-        moves = _Moves.of(self.data, self.shift.gears[0], self.steps)
+        moves = Response.of(self.data, self.shift.gears[0], self.steps)
         x0 = _with_torques(self.data, self.start)
         lp = self._program(moves, moves.free(x0))
         found = maximise(lp.c, lp.A, lp.b, lp.lb, lp.ub)
@@ -159,7 +140,7 @@ class _Release:
         """The part of the cost that friction has in a plan."""
         return float(-lp.c[:-1] @ found.w[:-1])
 
-    def _program(self, moves: _Moves, free: Matrix) -> Lp:
+    def _program(self, moves: Response, free: Matrix) -> Lp:
         reference, rows = self._reference(), _Rows([], [])
         for sign in (1.0, -1.0):
             by = sign * moves.rows(moves.torque)
@@ -167,7 +148,7 @@ class _Release:
         for row, most in self._limits(free):
             rows.below(np.column_stack([moves.rows(row), np.zeros(self.steps)]), most - free[1:] @ row)
         ends = np.tile(np.array(RATES) * np.array([[1.0], [self.data.mu], [self.data.mu]]), (self.steps, 1))
-        friction = (moves.rows(_unit(_BRAKE)) + moves.rows(_unit(_CLUTCH))).sum(axis=0)
+        friction = (moves.rows(unit(_BRAKE)) + moves.rows(unit(_CLUTCH))).sum(axis=0)
         return Lp(
             np.append(-_LESS_FRICTION * friction, -1.0), np.vstack(rows.left), np.concatenate(rows.right),
             np.append(ends[:, 0], 0.0), np.append(ends[:, 1], 10.0),
@@ -183,21 +164,21 @@ class _Release:
         most = 0.99 * self.data.mu * self.shift.force
         fall = np.maximum(free[0, _CLUTCH], 0.0)
         clutch = np.where(closed, max(0.99 * self.data.mu * self.shift.release.clutch_force, fall), 0.01)
-        found = [(_unit(_TE), np.full(self.steps, 143.55)), (-_unit(_TE), np.zeros(self.steps)),
-                 (_unit(_BRAKE), np.full(self.steps, most)), (-_unit(_BRAKE), np.zeros(self.steps)),
-                 (_unit(_CLUTCH), clutch), (-_unit(_CLUTCH), np.zeros(self.steps)),
-                 (_unit(_WE), np.full(self.steps, 0.99 * MOST_SPEED)),
-                 (-_unit(_WE), np.full(self.steps, -1.01 * LEAST_SPEED))]  # fmt: skip
+        found = [(unit(_TE), np.full(self.steps, 143.55)), (-unit(_TE), np.zeros(self.steps)),
+                 (unit(_BRAKE), np.full(self.steps, most)), (-unit(_BRAKE), np.zeros(self.steps)),
+                 (unit(_CLUTCH), clutch), (-unit(_CLUTCH), np.zeros(self.steps)),
+                 (unit(_WE), np.full(self.steps, 0.99 * MOST_SPEED)),
+                 (-unit(_WE), np.full(self.steps, -1.01 * LEAST_SPEED))]  # fmt: skip
         return found + _curve(self.steps) + self._of_slip(t, closed) + self._of_flywheel()
 
     def _of_slip(self, t: Vector, closed: NDArray[np.bool_]) -> list[tuple[Vector, Vector]]:
-        behind = _unit(_WS) / self.data.gears[self.shift.gears[0]] - _unit(_WE)
+        behind = unit(_WS) / self.data.gears[self.shift.gears[0]] - unit(_WE)
         guard = self.shift.guard
         least = smooth(0.0, guard.slip, t / guard.build) if guard else np.zeros(len(t))
         return [(behind, np.where(closed, -least, 1e4))]
 
     def _of_flywheel(self) -> list[tuple[Vector, Vector]]:
-        speed = self.data.z * (_unit(_WS) / self.data.r_gn - _unit(_WE))
+        speed = self.data.z * (unit(_WS) / self.data.r_gn - unit(_WE))
         low, high = self.shift.release.wf
         ends = [] if high is None else [(speed, np.full(self.steps, high))]
         return ends + ([] if low is None else [(-speed, np.full(self.steps, -low))])
@@ -222,7 +203,7 @@ def greatest_held(data: Transmission, gear: int, wheels: float, seconds: float =
         No torque can be held.
     """
     steps = round(seconds / SAMPLE_TIME)
-    moves = _Moves.of(data, gear, steps)
+    moves = Response.of(data, gear, steps)
     first, more = (np.array(list(data.rolling(gear, torque, wheels).values())) for torque in (0.0, 1.0))
     base, per = moves.free(_with_torques(data, first)), moves.free(_with_torques(data, more - first))
     rows = _Rows([], [])
@@ -239,64 +220,14 @@ def greatest_held(data: Transmission, gear: int, wheels: float, seconds: float =
     return float(found.value)
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class _Moves:
-    """States at the samples: those without inputs, and what the rates add."""
-
-    A: Matrix
-    powers: Matrix
-    torque: Vector
-
-    @classmethod
-    def of(cls, data: Transmission, gear: int, steps: int) -> _Moves:
-        A, B, torque = slipping(data, gear)
-        sampled = Lti.sampled(A, B, ts=SAMPLE_TIME)
-        powers = np.zeros((steps + 1, 7, 3))
-        powers[1] = sampled.B
-        for k in range(2, steps + 1):
-            powers[k] = np.asarray(sampled.A) @ powers[k - 1]
-        return cls(np.asarray(sampled.A), powers, torque)
-
-    def free(self, x0: Vector) -> Matrix:
-        """States at the samples without inputs."""
-        states = [x0]
-        for _ in range(len(self.powers) - 1):
-            states.append(self.A @ states[-1])
-        return np.array(states)
-
-    def rows(self, row: Vector) -> Matrix:
-        """A row of the state at the samples after the first, over the rates."""
-        steps = len(self.powers) - 1
-        response = row @ self.powers  # (steps + 1, 3)
-        found = np.zeros((steps, steps, 3))
-        for k in range(steps):
-            found[k, : k + 1] = response[k + 1 : 0 : -1]
-        return found.reshape(steps, 3 * steps)
-
-    def by(self, u: Vector) -> Matrix:
-        """What the rates add to the states at the samples."""
-        added = [np.zeros(len(self.powers)) for _ in range(7)]
-        for i in range(7):
-            added[i][1:] = self.rows(_unit(i)) @ u
-        return np.array(added).T
-
-
-@cache
-def _unit(i: int) -> Vector:
-    row = np.zeros(7)
-    row[i] = 1.0
-    row.setflags(write=False)
-    return row
-
-
 def _curve(steps: int) -> list[tuple[Vector, Vector]]:
-    return [(_unit(_TE) - slope * _unit(_WE), np.full(steps, offset)) for slope, offset in CURVE]
+    return [(unit(_TE) - slope * unit(_WE), np.full(steps, offset)) for slope, offset in CURVE]
 
 
 def _ranges(data: Transmission, gear: int, steps: int) -> list[tuple[Vector, Vector]]:
     """Forces from zero up and forward slip."""
-    behind = _unit(_WS) / data.gears[gear] - _unit(_WE)
-    return [(row, np.zeros(steps)) for row in (-_unit(_TE), -_unit(_BRAKE), -_unit(_CLUTCH), behind)]
+    behind = unit(_WS) / data.gears[gear] - unit(_WE)
+    return [(row, np.zeros(steps)) for row in (-unit(_TE), -unit(_BRAKE), -unit(_CLUTCH), behind)]
 
 
 def _with_torques(data: Transmission, x: Vector) -> Vector:

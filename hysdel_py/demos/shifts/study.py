@@ -95,7 +95,9 @@ def run_trial(trial: Trial) -> dict[str, Any]:
         SHIFTS[trial.shift], controller=trial.controller, deviation=trial.deviation, noise=NOISE, seed=trial.number,
         observed=trial.observed,
     )  # fmt: skip
-    return {"key": trial.key, "number": trial.number, "observed": trial.observed} | asdict(trial.deviation) | run.figures()
+    return (
+        {"key": trial.key, "number": trial.number, "observed": trial.observed} | asdict(trial.deviation) | run.figures()
+    )
 
 
 def spread_trials(

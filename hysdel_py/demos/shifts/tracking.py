@@ -1,4 +1,4 @@
-"""The engine with a closed clutch: the torque at the wheels that is wanted, and an end to the swings of the drive shaft.
+"""The engine with a closed clutch: the torque at the wheels that is wanted, and an end to swings of the drive shaft.
 
 Engine, gearbox and flywheel on one side and the vehicle on the other swing against each other over the drive shaft,
 whose own damping is weak: 1 to 2 % of the critical one. A step of the torque, or the step of the acceleration at

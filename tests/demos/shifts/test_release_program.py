@@ -10,7 +10,8 @@ from hysdel_py.demos.shifts.cases import SHIFTS
 from hysdel_py.demos.shifts.controllers import part_model
 from hysdel_py.demos.shifts.methods import first_state
 from hysdel_py.demos.shifts.plant import FINE, ShiftPlant
-from hysdel_py.demos.shifts.release_program import greatest_held, least_deviation, slipping
+from hysdel_py.demos.shifts.release_program import greatest_held, least_deviation
+from hysdel_py.demos.shifts.response import slipping
 from hysdel_py.demos.shifts.traction import sustained
 from hysdel_py.demos.shifts.transmission import Transmission, engine_limit
 from hysdel_py.errors import ArgumentError
@@ -35,7 +36,9 @@ def test_dynamics_are_those_of_the_shipped_model():
 
 def test_plan_is_proven_the_best(plan):
     assert plan.proven == pytest.approx(plan.deviation, abs=1e-6)
-    assert 0.001 < plan.deviation < 0.01, "the shift of the document can be done within 1 %, if the torque falls in time"
+    assert 0.001 < plan.deviation < 0.01, (
+        "the shift of the document can be done within 1 %, if the torque falls in time"
+    )
 
 
 def test_plan_keeps_its_limits(plan):
