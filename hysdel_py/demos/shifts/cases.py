@@ -131,7 +131,7 @@ _FIRST = Shift(
     "upshift-12", "upshift from first to second gear at falling torque", (1, 2), (1600.0, 850.0), 40.0,
     Part(50.0, brake=1.0, clutch=100.0, wf=(-1000.0, -200.0), rel=(-1000.0, 1000.0), clutch_force=250.0),
     Part(50.0, relative=1.0, brake=20.0, wf=(-500.0, 0.0), rel=(-100.0, None), seconds=1.0),
-    force=250.0, slip_back=-1000.0, fall=0.2, guard=Guard(2.0, 0.3, 0.45, 0.05),
+    force=250.0, slip_back=-1000.0, fall=0.21, guard=Guard(2.0, 0.3, 0.45, 0.05),
 )  # fmt: skip
 _HELD = replace(
     _FIRST, name="upshift-12-held", title="upshift from first to second gear from the torque that can be held",

@@ -136,11 +136,11 @@ class RampController:
         twisting = self.data.r_d * x[5] - x[6]
         missing = wanted - self.data.k * x[3] - self.data.d * twisting
         self._sum += self.tuning.integral * SAMPLE_TIME * missing
-        return self.tuning.proportional * missing + self._sum - self.tuning.damping * twisting
+        return float(self.tuning.proportional * missing + self._sum - self.tuning.damping * twisting)
 
     def _gain(self, x: Vector, torque: float) -> float:
         """Acceleration of the secondary shaft when it follows the vehicle [rad/s^2]."""
-        return (torque - self.data.b_v * x[6]) / self.data.J_v / self.data.r_d
+        return float((torque - self.data.b_v * x[6]) / self.data.J_v / self.data.r_d)
 
     def _engine(self, x: Vector, torque: float, brake: float, clutch: float) -> float:
         """Engine torque that balances torques of drive shaft, brake and clutch."""
