@@ -25,7 +25,7 @@ from hysdel_py.demos.shifts.cases import SHIFTS
 from hysdel_py.demos.shifts.methods import METHODS
 from hysdel_py.demos.shifts.study import spread_trials, trials
 
-HEADER = "| shift | controller | runs | locked | torque off, part 1: median, 95 %, worst | part 2: median, 95 %, worst | locked after: median, worst | slope at lock-up: median, 95 % | brake on at reversal | brake rule broken | another limit broken |"
+HEADER = "| shift | controller | runs | locked | torque off, part 1: median, 95 %, worst | part 2: median, 95 %, worst | locked after: median, worst | slope at lock-up: median, 95 % | brake on at reversal | brake rule broken | engine curve passed: runs, median, worst | another limit broken |"
 
 
 def known(path: Path) -> list[dict[str, Any]]:
@@ -70,7 +70,8 @@ def row_of(group: list[dict[str, Any]]) -> str:
     locked = [row for row in group if row["done"]]
     broken = [{text.rsplit(" by ", 1)[0] for text in row["broken"]} for row in group]
     rule = sum("brake rule" in names for names in broken)
-    other = sum(bool(names - {"brake rule"}) for names in broken)
+    curve = [float(text.rsplit(" by ", 1)[1]) for row in group for text in row["broken"] if "curve" in text]
+    other = sum(bool(names - {"brake rule", "engine curve"}) for names in broken)
     name = first["controller"] + ("" if first["observed"] else ", no observer")
     return (
         f"| {first['shift']} | {name} | {n} | {len(locked)} "
@@ -78,7 +79,8 @@ def row_of(group: list[dict[str, Any]]) -> str:
         f"| {spread([row['deviation_engage'] for row in group], '.0f')} Nm "
         f"| {spread([row['shift_time'] for row in locked], '.2f', (50, 100))} s "
         f"| {spread([-row['lockup_slope'] for row in locked if row['lockup_slope'] is not None], '.0f', (50, 95))} rad/s^2 "
-        f"| {sum(row['brake_at_reversal'] > 0.011 for row in group)} | {rule} | {other} |"
+        f"| {sum(row["brake_at_reversal"] > 0.02 for row in group)} | {rule} "
+        f"| {len(curve)}, by {spread(curve, '.1f', (50, 100))} Nm | {other} |"
     )
 
 

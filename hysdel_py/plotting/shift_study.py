@@ -38,9 +38,8 @@ def plot_study(groups: Sequence[Sequence[Mapping[str, Any]]]) -> Figure:
             )  # fmt: skip
         if name == "relative_release":
             panel.axhline(_GOAL, color=LIMIT, linewidth=0.8, linestyle="--", label="2 %")
-        finish(panel, label)
-    axes[0].set_yscale("log")
-    axes[1].set_yscale("log")
+        finish(panel, label, legend=panel is axes[0])
+        panel.set_ylim(bottom=0.0)
     axes[-1].set_xlabel("friction of the plant, as a share of the model's [-]")
     return figure
 

@@ -26,7 +26,7 @@ Matrix = NDArray[np.float64]
 _RANGE = (0.6, 1.6)
 _NOISE = np.array([2e-4, 0.2, 0.2, 0.02])
 """Standard deviations of measured twist [rad] and of the speeds of engine, secondary shaft and wheels [rad/s]."""
-_DRIFT = np.array([5e-5, 0.03, 0.03, 0.001, 0.005, 0.005])
+_DRIFT = np.array([1e-4, 0.1, 0.1, 0.002, 0.01, 0.01])
 """By how much the equations of these and of both factors may be off in a sample."""
 _STUCK_DRIFT = np.array([1e-4, 2.0, 2.0, 0.002, 0.01, 0.01])
 """The same for a clutch that may stick, and then carries what nobody knows."""
