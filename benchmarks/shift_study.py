@@ -79,7 +79,7 @@ def row_of(group: list[dict[str, Any]]) -> str:
         f"| {spread([row['deviation_engage'] for row in group], '.0f')} Nm "
         f"| {spread([row['shift_time'] for row in locked], '.2f', (50, 100))} s "
         f"| {spread([-row['lockup_slope'] for row in locked if row['lockup_slope'] is not None], '.0f', (50, 95))} rad/s^2 "
-        f"| {sum(row["brake_at_reversal"] > 0.02 for row in group)} | {rule} "
+        f"| {sum(row['brake_at_reversal'] > 0.02 for row in group)} | {rule} "
         f"| {len(curve)}, by {spread(curve, '.1f', (50, 100))} Nm | {other} |"
     )
 

@@ -16,7 +16,7 @@ SHIFT = SHIFTS["upshift-23"]
 
 
 def slipping_run(observer, sensors, deviation, steps=30):
-    """The plant with both contacts slipping, seen by an observer; true and estimated states."""
+    """The plant with both contacts slipping, seen by an observer: true and estimated states, and what the plant did."""
     plant = ShiftPlant(part_model(SHIFT, 1, DATA), DATA, 2, deviation)
     x = np.array(list((DATA.stationary(2, 600.0, 75.0) | {"we": 560.0, "Fnb": 60.0, "Te": 110.0}).values()))
     u, last, seen = np.zeros(3), np.zeros(3), []
@@ -24,7 +24,7 @@ def slipping_run(observer, sensors, deviation, steps=30):
         seen.append((x, observer.update(sensors.read(x), last)))
         u = np.array([50.0, 100.0, -100.0]) * (1 if k % 4 < 2 else -1)
         x, last = plant.step(x, u), u
-    return seen
+    return seen, plant.fine
 
 
 @pytest.mark.parametrize("friction", [0.8, 1.0, 1.2])
@@ -36,7 +36,7 @@ def test_finds_the_friction_of_clutch_and_brake(friction):
 
 def test_finds_it_under_noise_and_filters_the_speeds():
     observer, sensors = ShiftObserver(DATA, 2, 0.01), Sensors(NOISE, 3)
-    seen = slipping_run(observer, sensors, Deviation(friction=0.8), 60)
+    seen, _ = slipping_run(observer, sensors, Deviation(friction=0.8), 60)
     assert observer.factors == pytest.approx([0.8, 0.8], abs=0.1)
     errors = np.array([estimate[5] - x[5] for x, estimate in seen[10:]])
     assert errors.std() < 0.95 * NOISE["ws"]
@@ -44,10 +44,12 @@ def test_finds_it_under_noise_and_filters_the_speeds():
 
 def test_looks_ahead_over_the_delay():
     deviation = Deviation(delay=0.005)
-    seen = slipping_run(ShiftObserver(DATA, 2, 0.01, 1.0, 0.005), Sensors(), deviation)
+    seen, fine = slipping_run(ShiftObserver(DATA, 2, 0.01, 1.0, 0.005), Sensors(), deviation)
     x, estimate = seen[20]
-    later = seen[21][0]
-    assert abs(estimate[4] - (x[4] + later[4]) / 2) < 0.2 * abs(later[4] - x[4])
+    then = fine[20][9][:7]
+    assert estimate[4] == pytest.approx(then[4], abs=0.02)
+    assert abs(then[4] - x[4]) > 0.1
+    assert estimate[:3] == pytest.approx(then[:3], abs=1e-6)
 
 
 def test_clutch_that_sticks_teaches_nothing():

@@ -64,7 +64,7 @@ def test_landing_meets_zero_with_its_slope():
     assert far[0] == 50.0
     assert np.diff(slopes) == pytest.approx(1000.0 * 0.01)
     near = landing(0.02)
-    assert near[1] == 0.0
+    assert near[1] == pytest.approx(0.0, abs=1e-12)
     assert (near[0] - near[1]) / 0.01 < LANDING_SLOPE
     assert np.array_equal(landing(-50.0), -far)
 

@@ -55,7 +55,7 @@ def test_refuses_with_a_reason(arguments, words):
 
 def test_refuses_what_a_weak_brake_cannot_carry():
     weak = Supervisor(Transmission(mu=0.1))
-    decision = weak.decide(1, 38.0, 0.9, 700.0, 5.0)
+    decision = weak.decide(1, 38.0, 0.7, 700.0, 5.0)
     assert decision.shift is None
     assert "at most with the clutch open" in decision.reason
 
