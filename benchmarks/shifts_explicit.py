@@ -26,8 +26,9 @@ REFERENCES = {1: {"r(torque)": 600.0, "r(wf)": -50.0, "r(Fnb)": 0.0, "r(Fnc)": 0
               2: {"r(torque)": 600.0, "r(rel)": 0.0, "r(Fnb)": 0.0}}  # fmt: skip
 CASES = (
     ("fixed modes", 1, 1, False), ("fixed modes", 1, 2, False), ("fixed modes", 2, 1, False),
-    ("fixed modes", 2, 2, False), ("fixed modes", 2, 3, False), ("fixed modes", 2, 4, False), ("fixed modes", 2, 2, True),
-    ("hybrid", 1, 1, False), ("hybrid", 2, 1, False), ("hybrid", 2, 2, False), ("hybrid", 2, 3, False), ("hybrid", 2, 1, True),
+    ("fixed modes", 2, 2, False), ("fixed modes", 2, 3, False), ("fixed modes", 2, 4, False),
+    ("fixed modes", 2, 2, True), ("hybrid", 1, 1, False), ("hybrid", 2, 1, False), ("hybrid", 2, 2, False),
+    ("hybrid", 2, 3, False), ("hybrid", 2, 1, True),
 )  # fmt: skip
 
 
