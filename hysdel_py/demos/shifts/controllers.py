@@ -170,7 +170,7 @@ class PartController:
         off = self._brake_is_off(seen)
         if off:
             seen[1] = 0.0
-        move = self.mpc.solve(seen, self._references(seen, t), limits=self._limits(seen, t, grip))
+        move: Move = self.mpc.solve(seen, self._references(seen, t), limits=self._limits(seen, t, grip))
         if self.modes is not None:
             self.modes.remember(move)
         if move.u is None:

@@ -130,7 +130,7 @@ class Method:
         """A clutch that just sticks tells its friction by its force, before anything slips."""
         if not self.just_sticks:
             return 1.0
-        return self._carried() / max(self.data.mu * self.start[_CLUTCH], 1.0)
+        return self._carried() / max(self.data.mu * float(self.start[_CLUTCH]), 1.0)
 
     def _carried(self) -> float:
         return self.data.stuck_clutch(self.shift.gears[0], self.start)

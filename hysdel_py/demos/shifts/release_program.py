@@ -159,7 +159,7 @@ class _Release:
 
     def _limits(self, free: Matrix) -> list[tuple[Vector, Vector]]:
         """Rows of the state and what they may be at most, at the samples after the first."""
-        t = SAMPLE_TIME * np.arange(1, self.steps + 1)
+        t = np.asarray(SAMPLE_TIME * np.arange(1, self.steps + 1), dtype=float)
         closed = t < self.opens - 1e-9
         most = 0.99 * self.data.mu * self.shift.force
         fall = np.maximum(free[0, _CLUTCH], 0.0)

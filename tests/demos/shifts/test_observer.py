@@ -49,7 +49,7 @@ def test_looks_ahead_over_the_delay():
     then = fine[6][9][:7]
     assert estimate[4] == pytest.approx(then[4], abs=0.05)
     assert abs(then[4] - x[4]) > 0.1
-    assert estimate[:3] == pytest.approx(then[:3], abs=1e-6)
+    assert estimate[:3] == pytest.approx(then[:3], rel=0.03), "effective forces, with factors near one"
 
 
 def test_clutch_that_sticks_teaches_nothing():
