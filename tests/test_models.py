@@ -61,7 +61,7 @@ def beside_the_point(diagnostic):
 def test_compiles_without_a_word(name):
     model = load(name)
     assert model.name == name
-    assert (model.mld.ne > 0) == (model.mld.nd > 0)
+    assert model.mld.ne > 0 or model.mld.nd == 0
     assert [d for d in model.diagnostics if not beside_the_point(d)] == []
 
 

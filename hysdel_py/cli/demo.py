@@ -11,6 +11,8 @@ from hysdel_py.cli.output import print_json
 from hysdel_py.cli.progress import clear_progress, progress_line
 from hysdel_py.demos.clutch import ClutchDemo, engage
 from hysdel_py.demos.dynamic_programming import DpDemo, engage_by_dp
+from hysdel_py.demos.shifts.cases import SHIFTS
+from hysdel_py.demos.shifts.methods import METHODS
 from hysdel_py.errors import ArgumentError
 
 if TYPE_CHECKING:
@@ -26,6 +28,7 @@ examples:
   hysdel demo dp
   hysdel demo dp --two-inputs
   hysdel demo upshift-23
+  hysdel demo upshift-23 --controller ramps
   hysdel demo drive --output results
 """
 _ENGINE_TORQUES = 8
@@ -54,6 +57,10 @@ def add_parser(commands: argparse._SubParsersAction[argparse.ArgumentParser]) ->
     parser.add_argument(
         "--grid", type=float, default=1.0, metavar="STEP", help="dp: distance of the nodes in rad/s (default 1)"
     )
+    parser.add_argument(
+        "--controller", choices=METHODS, default="hybrid",
+        help="shifts: who runs it: the hybrid controllers, the same with fixed modes, or ramps (default hybrid)",
+    )  # fmt: skip
     parser.add_argument("--two-inputs", action="store_true", help="dp: the engine torque is an input too")
     parser.add_argument(
         "--output", metavar="FOLDER", default="hysdel-demo", help="where the files go (default hysdel-demo)"
@@ -95,6 +102,8 @@ _OWN: dict[str, dict[str, object]] = {
 
 def _require_own_options(options: argparse.Namespace) -> None:
     """Refuse options of the other demo, which would change nothing."""
+    if options.controller != "hybrid" and options.name not in SHIFTS:
+        raise ArgumentError(f"--controller belongs to the shifts ({', '.join(SHIFTS)}), not to {options.name}")
     for name, defaults in _OWN.items():
         for option, default in defaults.items():
             if name != options.name and getattr(options, option) != default:

@@ -30,7 +30,11 @@ def run_shift_demo(options: argparse.Namespace) -> int:
         folder.mkdir(parents=True, exist_ok=True)
     progress = progress_line(not options.json)
     named = SHIFTS.get(options.name)
-    result = drive(progress=progress) if named is None else run_shift(named, progress=progress)
+    result: ShiftRun | DriveRun
+    if named is None:
+        result = drive(progress=progress)
+    else:
+        result = run_shift(named, controller=options.controller, progress=progress)
     clear_progress(progress)
     if options.json:
         every = _rows(result)[:: STEPS_PER_SAMPLE // 2]
@@ -38,7 +42,8 @@ def run_shift_demo(options: argparse.Namespace) -> int:
     else:
         title = TITLES[options.name]
         lines = [f"  {text:<44} {value}" for text, value in result.table()]
-        print("\n".join([title[0].upper() + title[1:], *lines, *_write_files(result, folder / options.name)]))
+        name = options.name if options.controller == "hybrid" else f"{options.name}-{options.controller}"
+        print("\n".join([title[0].upper() + title[1:], *lines, *_write_files(result, folder / name)]))
     return 0 if result.done else 1
 
 

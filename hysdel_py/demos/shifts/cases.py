@@ -97,6 +97,8 @@ class Shift:
         Seconds over which the torque at the wheels changes.
     guard : Guard, optional
         A limit that keeps the slip of the opening clutch positive, where the reference alone does not.
+    rolling : bool
+        Whether all shafts gain speed as the vehicle does when the shift begins; at rest only the vehicle does.
     """
 
     name: str
@@ -112,6 +114,7 @@ class Shift:
     held_slip: float = 2.0
     fall: float = 0.5
     guard: Guard | None = None
+    rolling: bool = False
 
 
 _CONSTANT = Shift(
@@ -128,16 +131,19 @@ _FIRST = Shift(
     "upshift-12", "upshift from first to second gear at falling torque", (1, 2), (1600.0, 850.0), 40.0,
     Part(50.0, brake=1.0, clutch=100.0, wf=(-1000.0, -200.0), rel=(-1000.0, 1000.0), clutch_force=250.0),
     Part(50.0, relative=1.0, brake=20.0, wf=(-500.0, 0.0), rel=(-100.0, None), seconds=1.0),
-    force=250.0, slip_back=-1000.0, fall=0.3, guard=Guard(8.0, 0.15, 0.4, 0.05),
+    force=250.0, slip_back=-1000.0, fall=0.21, guard=Guard(2.0, 0.3, 0.45, 0.05),
 )  # fmt: skip
-
+_HELD = replace(
+    _FIRST, name="upshift-12-held", title="upshift from first to second gear from the torque that can be held",
+    torques=(1300.0, 850.0), fall=0.3, rolling=True,
+)  # fmt: skip
 _DOWN = Shift(
-    "downshift", "downshift under power, the brake off", (3, 2), (400.0, 400.0), 45.0,
+    "downshift-32", "downshift from third to second gear under power, the brake off", (3, 2), (400.0, 400.0), 45.0,
     Part(50.0, clutch=100.0, brake_force=0.01),
     Part(50.0, relative=1.0, rel=(-400.0, None), brake_force=0.01, seconds=1.0),
     slip_back=-1000.0,
 )  # fmt: skip
-SHIFTS: Mapping[str, Shift] = {shift.name: shift for shift in (_CONSTANT, _DECREASING, _FIRST)}
+SHIFTS: Mapping[str, Shift] = {shift.name: shift for shift in (_CONSTANT, _DECREASING, _FIRST, _HELD, _DOWN)}
 """By the name that the command takes."""
 
 

@@ -3,17 +3,20 @@
 Weights, limits and horizon are those of the document. What departs from it:
 
 * The brake may go to zero, where it is surely off; the document ends its range at 0.01 N, the very threshold.
-* The brake rule is planned with a flywheel one rad/s further back than the document's -5 rad/s, so that the plant keeps
+* The brake rule is planned with a flywheel 3 rad/s further back than the document's -5 rad/s, so that the plant keeps
   the rule between two samples.
 * A state measured beside the ranges of the model, or on a threshold, is moved to the side that the model knows.
+* Nearer than that the brake is taken as off, and released at its fastest rate where it is not; so is a clutch that a
+  plan of part 1 leaves next to nothing.
+* The rates have a small weight, so that torque and clutch force do not swing from sample to sample.
+* Forces are effective ones, where an observer tells the friction: factor times force.
 * Where hard limits leave no plan, a plan with softened limits is taken; where there is none either, the brake is
   released and the engine takes over its torque. Both are counted.
 """
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cache
 from typing import Any
 
@@ -26,18 +29,29 @@ from hysdel_py.control.limits import Limits
 from hysdel_py.control.move import Move
 from hysdel_py.demos.shifts import references
 from hysdel_py.demos.shifts.cases import HORIZON, Part, Shift
+from hysdel_py.demos.shifts.observer import ShiftObserver
+from hysdel_py.demos.shifts.sensors import Sensors
 from hysdel_py.demos.shifts.transmission import LEAST_SPEED, MOST_SPEED, Transmission, engine_limit
 from hysdel_py.model import Model, load
 
-__all__ = ["NODE_LIMIT", "PartController", "part_model", "release_brake", "shift_controller", "shift_limits"]
+__all__ = [
+    "NODE_LIMIT", "PartController", "part_model", "part_of", "release_brake", "shift_controller", "shift_cost",
+    "shift_limits",
+]  # fmt: skip
 
 Vector = NDArray[np.float64]
 
-NODE_LIMIT = 100
+NODE_LIMIT = 40
 """Nodes of the branch and bound per move."""
-BRAKE_RULE = -6.0
+GAP = 1e-3
+"""Share of the cost that a plan may lack to the best one."""
+BRAKE_RULE = -8.0
 """Flywheel speed up to which a plan may use the brake [rad/s]."""
+RATES = {1: {"Te_rate": 0.01, "Fnb_rate": 0.01, "Fnc_rate": 0.01}, 2: {"Te_rate": 0.003}}
+"""Weights of the rates in both parts, per Nm/s and N/s: without them torque and clutch force swing between samples."""
 _LEAN = 1e-5  # what a measured torque or force is moved by, off a threshold that a plan ended on
+_ON = 0.01  # N, threshold of the brake rule
+_OPEN = 0.5  # N, clutch force that is let go
 _FASTEST = {"Te_rate": (-396.0, 495.0), "Fnb_rate": (-495.0, 792.0), "Fnc_rate": (-495.0, 792.0)}
 _PRICE = 1e4
 
@@ -61,7 +75,7 @@ def part_model(shift: Shift, part: int, data: Transmission) -> Model:
 def shift_limits(shift: Shift, part: int, data: Transmission) -> Limits:
     """Limits of the document: 0.99 and 1.01 times those of the model."""
     low, high = 1.01 * LEAST_SPEED, 0.99 * MOST_SPEED
-    own, gear = _part(shift, part), data.gears[shift.gears[part - 1]]
+    own, gear = part_of(shift, part), data.gears[shift.gears[part - 1]]
     brake = 0.99 * shift.force if own.brake_force is None else own.brake_force
     return Limits(
         x={
@@ -78,22 +92,31 @@ def shift_limits(shift: Shift, part: int, data: Transmission) -> Limits:
 
 def shift_controller(shift: Shift, part: int, data: Transmission, node_limit: int = NODE_LIMIT) -> HybridMpc:
     """The controller of part 1 or 2 of a shift."""
-    own = _part(shift, part)
+    model, cost, limits = (
+        part_model(shift, part, data),
+        shift_cost(part_of(shift, part), part),
+        shift_limits(shift, part, data),
+    )
+    return HybridMpc(model, HORIZON, cost, limits, node_limit=node_limit, gap_rel=GAP, fallback="soft")
+
+
+def shift_cost(own: Part, part: int) -> Cost:
+    """Weights of the document, and those of the rates."""
     outputs = {"torque": own.torque, "wf": own.wheel, "rel": own.relative}
     forces = {"Fnb": own.brake, "Fnc": own.clutch}
     x = {name: weight for name, weight in forces.items() if weight}
-    cost = Cost(y={name: weight for name, weight in outputs.items() if weight}, x=x, terminal=x)
-    limits = shift_limits(shift, part, data)
-    return HybridMpc(part_model(shift, part, data), HORIZON, cost, limits, node_limit=node_limit, fallback="soft")
+    y = {name: weight for name, weight in outputs.items() if weight}
+    return Cost(y=y, x=x, terminal=x, u=RATES[part])
 
 
-def _part(shift: Shift, part: int) -> Part:
+def part_of(shift: Shift, part: int) -> Part:
+    """Part 1 or 2 of a shift."""
     return shift.release if part == 1 else shift.engage
 
 
-def release_brake(_k: int, _x: Vector, _move: Any) -> Vector:
+def release_brake(_k: int, x: Vector, _move: Any) -> Vector:
     """Where no plan is found: brake off at its fastest rate, engine torque in its place, clutch as it is."""
-    return np.array([450.0, -495.0, 0.0])
+    return np.array([450.0 if x[1] > _ON else 0.0, -495.0, 0.0])
 
 
 @dataclass(eq=False)
@@ -106,37 +129,67 @@ class PartController:
     part : int
         1 or 2.
     data : Transmission
-    mpc : HybridMpc
+    mpc : HybridMpc, or another object with its ``solve`` and ``mld``
     since : float
         Second of the shift at which the part begins.
     force : float
         Clutch force at the begin of the shift [N].
-    noise : mapping of state to float
-        Standard deviations of the measurement.
-    rng : numpy Generator, optional
+    forces : array, optional
+        Clutch force wanted at the samples of part 1 [N]; zero by default.
+    sensors : Sensors, optional
+        What is measured of a state; all of it by default.
+    observer : ShiftObserver, optional
+        What state there is behind the measurement, and what clutch and brake really grip; as measured, and as much as
+        in the model, by default.
+    modes : FixedModes, optional
+        Limits that stand for the switches that the model of `mpc` lacks.
     """
 
     shift: Shift
     part: int
     data: Transmission
-    mpc: HybridMpc
+    mpc: Any
     since: float
     force: float
-    noise: Mapping[str, float] = field(default_factory=dict)
-    rng: Any = None
+    forces: Vector | None = None
+    sensors: Sensors = field(default_factory=Sensors)
+    observer: ShiftObserver | None = None
+    modes: Any = None
+    last: Vector = field(default_factory=lambda: np.zeros(3))
 
     def solve(self, x: Vector, k: int) -> Move:
         """The move at step k of the part."""
-        seen = self._seen(x)
-        t = self.since + references.ahead(k)
-        return self.mpc.solve(seen, self._references(seen, t), limits=self._limits(seen, t))
+        state, grip = self.sensors.read(x), np.ones(2)
+        if self.observer is not None:
+            state, grip = self.observer.update(state, self.last), self.observer.factors
+        move = self._planned(self._seen(state), self.since + references.ahead(k), grip)
+        self.last = release_brake(k, x, move) if move.u is None else move.u
+        return move
 
-    def _seen(self, x: Vector) -> Vector:
-        """The measured state, on the sides of ranges and thresholds that the model knows."""
-        names = [v.name for v in self.mpc.mld.x]
-        noise = np.array([self.noise.get(name, 0.0) for name in names])
-        seen: Vector = x + (noise * self.rng.standard_normal(len(x)) if self.rng is not None else 0.0)
-        seen = np.clip(seen, [v.low for v in self.mpc.mld.x], [v.high for v in self.mpc.mld.x])
+    def _planned(self, seen: Vector, t: Vector, grip: Vector) -> Move:
+        off = self._brake_is_off(seen)
+        if off:
+            seen[1] = 0.0
+        move: Move = self.mpc.solve(seen, self._references(seen, t), limits=self._limits(seen, t, grip))
+        if self.modes is not None:
+            self.modes.remember(move)
+        if move.u is None:
+            return move
+        rates = move.u / [1.0, grip[1], grip[0]]
+        if off:
+            rates[1] = _FASTEST["Fnb_rate"][0]
+        if self.part == 1 and seen[2] + references.SAMPLE_TIME * move.u[2] < _OPEN:
+            rates[2] = _FASTEST["Fnc_rate"][0]
+        return replace(move, u=rates)
+
+    def _brake_is_off(self, seen: Vector) -> bool:
+        """Whether the flywheel is about to reverse; a brake that is still on then is no state of its model."""
+        return self.part == 2 and self.data.flywheel_speed(seen[4], seen[5]) > BRAKE_RULE
+
+    def _seen(self, state: Vector) -> Vector:
+        """A state on the sides of ranges and thresholds that the model knows."""
+        variables = self.mpc.mld.x
+        seen: Vector = np.clip(state, [v.low for v in variables], [v.high for v in variables])
         seen[0] = max(0.0, min(seen[0], engine_limit(seen[4], beyond="range")) - _LEAN)
         seen[1] = max(0.0, seen[1] - _LEAN)
         return seen
@@ -145,16 +198,27 @@ class PartController:
         shift, data = self.shift, self.data
         wanted: dict[str, Any] = {"torque": references.torque_reference(shift.torques, t, shift.fall)}
         if self.part == 2:
-            return wanted | {"rel": references.landing(data.relative_speed(shift.gears[1], x[4], x[5]))}
+            relative = data.relative_speed(shift.gears[1], x[4], x[5])
+            lands = abs(relative) <= references.LANDING_SPEED
+            return wanted | {"rel": references.landing(relative) if lands else 0.0}
         if shift.release.wheel:
             wanted["wf"] = references.wheel_reference(shift, data, x[5], self.force, t)
-        if shift.guard:
-            wanted["Fnc"] = references.clutch_reference(shift, data, self.force, t)
+        if self.forces is not None:
+            times = references.SAMPLE_TIME * np.arange(len(self.forces))
+            wanted["Fnc"] = np.interp(t, times, self.forces)
         return wanted
 
-    def _limits(self, x: Vector, t: Vector) -> Limits | None:
+    def _limits(self, x: Vector, t: Vector, grip: Vector) -> Limits | None:
+        limits = self._of_guard(x, t) if self.part == 1 else self._of_landing(x)
+        if self.modes is not None:
+            limits = replace(limits or Limits(), x=self.modes.limits().x)
+        if self.observer is None:
+            return limits
+        return replace(limits or Limits(), u=_effective_rates(grip))
+
+    def _of_guard(self, x: Vector, t: Vector) -> Limits | None:
         guard = self.shift.guard
-        if self.part == 2 or guard is None:
+        if guard is None:
             return None
         fall = 495.0 * np.clip(guard.open_by - t, 0.0, None)
         within_reach = x[2] - 4.9 * np.arange(len(t))
@@ -162,3 +226,19 @@ class PartController:
         most[0] = 0.99 * self.shift.release.clutch_force
         wheel = (self.shift.release.wf[0], references.guard_limit(self.shift, self.data, x[5], t))
         return Limits(y={"wf": wheel}, x={"Fnc": (0.01, most)})
+
+    def _of_landing(self, x: Vector) -> Limits | None:
+        """The relative speed of an upshift falls no faster than lock-up allows."""
+        relative = self.data.relative_speed(self.shift.gears[1], x[4], x[5])
+        low = self.shift.engage.rel[0]
+        if low is None or relative <= 0.0:
+            return None
+        always, share = references.LANDING_MARGIN
+        least = np.maximum(references.landing(relative) - always - share * relative, low)
+        return Limits(y={"rel": (least, None)})
+
+
+def _effective_rates(grip: Vector) -> dict[str, tuple[float, float]]:
+    """Limits of the rates of effective forces that the actuators can follow, within those of the model."""
+    shares = {"Fnb_rate": min(float(grip[1]), 1.0), "Fnc_rate": min(float(grip[0]), 1.0)}
+    return {name: (share * _FASTEST[name][0], share * _FASTEST[name][1]) for name, share in shares.items()}

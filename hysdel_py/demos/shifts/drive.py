@@ -16,6 +16,7 @@ from hysdel_py.demos.shifts.judgement import drive_torque
 from hysdel_py.demos.shifts.plant import FINE, STEPS_PER_SAMPLE, ShiftPlant
 from hysdel_py.demos.shifts.shift import ShiftRun, run_shift
 from hysdel_py.demos.shifts.supervisor import Decision, Supervisor
+from hysdel_py.demos.shifts.tracking import DAMPING, ClosedClutch
 from hysdel_py.demos.shifts.transmission import Transmission
 from hysdel_py.errors import ArgumentError
 
@@ -26,12 +27,12 @@ __all__ = ["PEDAL", "DriveRun", "drive"]
 
 Vector = NDArray[np.float64]
 
-PEDAL = ((0.0, 0.7), (7.0, 0.7), (7.5, 0.22), (15.0, 0.22), (15.5, 0.8), (22.0, 0.8))
-"""Pairs of second and pedal: away through the gears, slow roll, away again."""
+PEDAL = ((0.0, 0.7), (7.0, 0.7), (7.5, 0.22), (12.0, 0.22), (12.3, 1.0), (17.0, 1.0))
+"""Pairs of second and pedal: away through the gears, slow roll, kick-down."""
 START_SPEED = 12.0
-SAMPLE_TIME = 0.05
+SAMPLE_TIME = 0.02
 """Of the drive between two shifts [s]."""
-_TORQUE_RATE = 250.0  # Nm/s of the engine between shifts
+_WANTED_RATE = 1500.0  # Nm/s of the wanted torque at the wheels between shifts
 _CLOSED = 1.05  # clutch force between shifts as a share of what sticking needs
 _LEAST_FORCE = 20.0
 
@@ -114,6 +115,7 @@ def drive(
     start: float = START_SPEED,
     supervisor: Supervisor | None = None,
     *,
+    damping: float = DAMPING,
     progress: Callable[[int, int], Any] | None = None,
 ) -> DriveRun:
     """Drive along a pedal trace, from first gear with the clutch closed.
@@ -125,6 +127,8 @@ def drive(
     start : float
         Speed of the wheels [rad/s].
     supervisor : Supervisor, optional
+    damping : float
+        Ratio of the damping of the drive shaft that the engine provides between shifts.
     progress : callable, optional
         Called with the hundredths of a second that are done, and all of them.
 
@@ -136,15 +140,17 @@ def drive(
     times = [t for t, _ in pedal]
     if len(times) < 2 or times[0] != 0.0 or any(b <= a for a, b in pairwise(times)):
         raise ArgumentError("the times of the pedal have to ascend from 0, two or more")
-    return _Drive(tuple(pedal), supervisor or Supervisor(), progress).run(start)
+    return _Drive(tuple(pedal), supervisor or Supervisor(), damping, progress).run(start)
 
 
 class _Drive:
     """A drive as it grows."""
 
-    def __init__(self, pedal: tuple[tuple[float, float], ...], supervisor: Supervisor, progress: Any) -> None:
-        self._pedal, self._supervisor, self._progress = pedal, supervisor, progress
-        self._data = supervisor.data
+    def __init__(
+        self, pedal: tuple[tuple[float, float], ...], supervisor: Supervisor, damping: float, progress: Any
+    ) -> None:
+        self._pedal, self._supervisor, self._damping, self._progress = pedal, supervisor, damping, progress
+        self._data, self._wanted = supervisor.data, 0.0
         self._t, self._gear, self._last_shift = 0.0, 1, -10.0
         self._pieces: list[tuple[Vector, Vector, int, float]] = []
         self._shifts: list[tuple[float, ShiftRun]] = []
@@ -154,7 +160,7 @@ class _Drive:
     def run(self, start: float) -> DriveRun:
         end = self._pedal[-1][0]
         x = np.array(list(self._data.stationary(1, self._data.b_v * start, start).values()))
-        x[2] = _LEAST_FORCE
+        x[2], self._wanted = _LEAST_FORCE, self._data.b_v * start
         while self._t < end - 1e-9:
             decision = self._asked(x)
             x = self._shift(decision) if self._begins(decision, x) else self._roll(x, decision.torque)
@@ -189,14 +195,15 @@ class _Drive:
         for rows, gear in ((slice(0, changed), shift.gears[0]), (slice(changed, None), shift.gears[1])):
             self._pieces.append((self._t + run.t[rows], run.fine[rows], gear, decision.torque))
         self._t += float(run.t[-1])
-        self._gear, self._last_shift = shift.gears[1], self._t
+        self._gear, self._last_shift, self._wanted = shift.gears[1], self._t, shift.torques[1]
         return run.end
 
     def _roll(self, x: Vector, torque: float) -> Vector:
-        """One sample with the clutch closed: the engine goes to its torque, the clutch follows."""
+        """One sample with the clutch closed: the engine follows the wanted torque, the clutch the engine."""
         plant = self._plant()
-        wanted = np.clip(torque * self._data.overall(self._gear), 0.0, 144.0)
-        rate = np.clip((wanted - x[0]) / SAMPLE_TIME, -_TORQUE_RATE, _TORQUE_RATE)
+        step = _WANTED_RATE * SAMPLE_TIME
+        self._wanted += float(np.clip(torque - self._wanted, -step, step))
+        rate = ClosedClutch(self._data, self._gear, SAMPLE_TIME, self._damping).rate(x, self._wanted)
         force = max(_LEAST_FORCE, _CLOSED * (x[0] + SAMPLE_TIME * max(rate, 0.0)) / self._data.mu)
         x1 = plant.step(x, np.array([rate, -400.0, np.clip((force - x[2]) / SAMPLE_TIME, -495.0, 792.0)]))
         rows = plant.fine.pop()

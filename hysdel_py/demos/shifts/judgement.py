@@ -20,6 +20,8 @@ Vector = NDArray[np.float64]
 
 STUCK = 1e-6
 """Slip below which the clutch of the plant sticks [rad/s]; time-stepping leaves rounding only."""
+BRAKE_ON = 0.02
+"""Brake force above which the brake is on [N]; the models say 0.01, and know the friction only so well."""
 _STEP = SAMPLE_TIME / STEPS_PER_SAMPLE
 _JERK_WINDOW = 0.1  # s before and after lock-up
 _TOUCHED = 1e-6
@@ -87,16 +89,17 @@ class Judgement:
 
     def table(self) -> list[tuple[str, str]]:
         """The figures as lines of text and value."""
-        slope, jerk = _shown(self.lockup_slope, ".1f"), _shown(self.jerk, ".1f")
+        slope = _shown(self.lockup_slope, ".1f", " rad/s^2")
+        jerk = _shown(self.jerk, ".1f", " rad/s^3")
         release = f"{self.deviation_release:.1f} Nm ({100 * self.relative_release:.2f} % of the reference)"
         return [
-            ("clutch of the new gear locked after", f"{_shown(self.shift_time, '.3f')} s"),
+            ("clutch of the new gear locked after", _shown(self.shift_time, ".3f", " s")),
             ("largest torque deviation, part 1", release),
             ("largest torque deviation, part 2", f"{self.deviation_engage:.1f} Nm"),
             ("clutch force at the gear change", f"{self.clutch_at_change:.3f} N"),
             ("brake force where the flywheel reverses", f"{self.brake_at_reversal:.4f} N"),
-            ("slope of the relative speed at lock-up", f"{slope} rad/s^2"),
-            ("largest jerk at the wheels around lock-up", f"{jerk} rad/s^3"),
+            ("slope of the relative speed at lock-up", slope),
+            ("largest jerk at the wheels around lock-up", jerk),
             ("heat in the brake, in the clutch", f"{self.brake_energy:.0f} J, {self.clutch_energy:.0f} J"),
             ("limits broken at the plant", ", ".join(self.broken) or "none"),
             ("limits touched", ", ".join(self.touched) or "none"),
@@ -108,8 +111,8 @@ class Judgement:
         ]
 
 
-def _shown(value: float | None, form: str) -> str:
-    return "never" if value is None else format(value, form)
+def _shown(value: float | None, form: str, unit: str) -> str:
+    return "never" if value is None else format(value, form) + unit
 
 
 def drive_torque(data: Transmission, fine: Vector) -> Vector:
@@ -192,10 +195,10 @@ def _broken(shift: Shift, fine: Vector, first: int) -> tuple[str, ...]:
     curve = np.array([engine_limit(speed) for speed in fine[:, FINE.index("we")]])
     beside["engine curve"] = float(np.max(fine[:, FINE.index("Te")] - curve)) - _BETWEEN_SAMPLES
     late = fine[first:]
-    braked = late[:, FINE.index("Fnb")] > 0.011
+    braked = late[:, FINE.index("Fnb")] > BRAKE_ON
     beside["brake rule"] = float(np.max(np.where(braked, late[:, FINE.index("wf")] + 5.0, -1.0)))
-    side = 1.0 if shift.gears[1] > shift.gears[0] else -1.0
-    beside["relative speed"] = float(np.max(-side * late[:, FINE.index("slip")])) - STUCK
+    if shift.gears[1] > shift.gears[0]:  # in a downshift the engine passes the new gear and is met from above
+        beside["relative speed"] = float(np.max(-late[:, FINE.index("slip")])) - STUCK
     return tuple(f"{name} by {value:.3g}" for name, value in beside.items() if value > _TOUCHED)
 
 

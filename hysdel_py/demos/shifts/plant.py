@@ -46,25 +46,36 @@ FINE = (*STATES, "Tc", "Tb", "wf", "slip")
 
 @dataclass(frozen=True, slots=True)
 class Deviation:
-    """How a plant differs from the model of its controller, as factors.
+    """How a plant differs from the model of its controller.
 
     Attributes
     ----------
-    friction, mass : float
-        Of both friction coefficients; of the vehicle.
+    friction, inertia, load, mass : float
+        Factors of both friction coefficients; of the inertias of engine and flywheel; of the load of the vehicle per
+        speed; of the inertia of the vehicle.
+    delay : float
+        Seconds until an input takes effect, within a sample.
     """
 
     friction: float = 1.0
+    inertia: float = 1.0
+    load: float = 1.0
     mass: float = 1.0
+    delay: float = 0.0
 
     def __post_init__(self) -> None:
-        for name in ("friction", "mass"):
+        for name in ("friction", "inertia", "load", "mass"):
             if not getattr(self, name) > 0:
                 raise ArgumentError(f"{name} is {getattr(self, name)!r}: a factor above zero was expected")
+        if not 0.0 <= self.delay < SAMPLE_TIME:
+            raise ArgumentError(f"delay is {self.delay!r}: seconds from 0 to less than {SAMPLE_TIME} were expected")
 
     def of(self, data: Transmission) -> Transmission:
         """The parameters of the plant."""
-        return replace(data, mu=self.friction * data.mu, J_v=self.mass * data.J_v)
+        return replace(
+            data, mu=self.friction * data.mu, J_e=self.inertia * data.J_e, J_f=self.inertia * data.J_f,
+            b_v=self.load * data.b_v, J_v=self.mass * data.J_v,
+        )  # fmt: skip
 
 
 def drivetrain(
@@ -120,6 +131,8 @@ class ShiftPlant:
     ----------
     fine : list of arrays of shape (STEPS_PER_SAMPLE, len(FINE))
         What happened within each sample.
+    last : array of shape (3,)
+        The input of the sample before, which a delayed actuator still follows.
     """
 
     def __init__(
@@ -134,7 +147,9 @@ class ShiftPlant:
         self.sample_time = sample_time
         self.x, self.u = model.dha.x, model.dha.u
         self.gear = gear
-        self.data = (deviation or Deviation()).of(data)
+        deviation = deviation or Deviation()
+        self.data, self.delay = deviation.of(data), deviation.delay
+        self.last: Vector = np.zeros(3)
         self._low, self._high = (np.array([end(v) for v in self.x[:3]]) for end in (_low, _high))
         still = (0.0, 0.0)
         self._equations = drivetrain(
@@ -144,22 +159,31 @@ class ShiftPlant:
 
     def step(self, x: Vector, u: Vector) -> Vector:
         """One sample."""
-        ends = np.clip(x[:3] + self.sample_time * np.asarray(u), self._low, self._high)
-        run = self._moving(x, ends).simulate(
+        knots, inputs = self._ramps(x[:3], np.asarray(u, dtype=float))
+        run = self._moving(knots, inputs).simulate(
             self._start(x), self.sample_time, Moreau(dt=self.sample_time / STEPS_PER_SAMPLE)
         )
-        share = np.linspace(0.0, 1.0, STEPS_PER_SAMPLE + 1)[:, None]
-        record = _columns(run, x[:3] + share * (ends - x[:3]))
+        t = np.linspace(0.0, self.sample_time, STEPS_PER_SAMPLE + 1)
+        record = _columns(run, np.column_stack([np.interp(t, knots, column) for column in inputs.T]))
         self.fine.append(record[1:])
         after: Vector = record[-1, : len(STATES)].copy()
         return after
 
-    def _moving(self, x: Vector, ends: Vector) -> Drivetrain:
-        """The drivetrain with inputs that go from those of a state to their ends."""
-        pairs = {"engine_torque": (x[0], ends[0]), "brake": (x[1], ends[1]), "clutch": (x[2], ends[2])}
+    def _ramps(self, first: Vector, u: Vector) -> tuple[tuple[float, ...], Vector]:
+        """Torque and forces at the ends of a sample, and where a delayed input begins."""
+        middle = np.clip(first + self.delay * self.last, self._low, self._high)
+        last = np.clip(middle + (self.sample_time - self.delay) * u, self._low, self._high)
+        self.last = u
+        if self.delay == 0.0:
+            return (0.0, self.sample_time), np.array([first, last])
+        return (0.0, self.delay, self.sample_time), np.array([first, middle, last])
+
+    def _moving(self, knots: tuple[float, ...], inputs: Vector) -> Drivetrain:
+        """The drivetrain with inputs that go straight from one knot to the next."""
+        columns = dict(zip(("engine_torque", "brake", "clutch"), inputs.T, strict=True))
         names = self._equations.signal_names
         signals = tuple(
-            PiecewiseLinear((0.0, self.sample_time), pairs[name]) if name in pairs else signal
+            PiecewiseLinear(knots, tuple(columns[name])) if name in columns else signal
             for name, signal in zip(names, self._equations.signals, strict=True)
         )
         return Drivetrain.from_equations(replace(self._equations, signals=signals))

@@ -8,9 +8,10 @@ The document made its references with a block diagram that its text does not hol
   to open, and then goes to its target on the same polynomial. The model of part 1 knows slipping friction only: were
   the engine allowed to fall behind its shaft while the clutch still carries torque, the clutch of the plant would
   stick and then pull the other way, and the torque at the wheels would lack what the model counts on;
-* the relative speed of part 2 has the reference zero until it is small, and then dies away exponentially from where it
-  is, so that the clutch locks with a small relative acceleration;
-* brake force has the reference zero, and clutch force too where engine and brake can carry the torque alone.
+* the relative speed of part 2 has the reference zero until it is small, and then a parabola from where it is, so that
+  the clutch locks with a small relative acceleration;
+* brake force has the reference zero, and clutch force too where engine and brake can carry the torque alone. Where they
+  cannot at once, in the shift from first gear, it is the clutch force of :mod:`hysdel_py.demos.shifts.release_program`.
 """
 
 from __future__ import annotations
@@ -19,18 +20,24 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from hysdel_py.demos.shifts.cases import HORIZON, Shift
-from hysdel_py.demos.shifts.transmission import Transmission, engine_limit
+from hysdel_py.demos.shifts.transmission import Transmission
 from hysdel_py.errors import ArgumentError
 
-__all__ = ["ahead", "clutch_reference", "guard_limit", "landing", "smooth", "torque_reference", "wheel_reference"]
+__all__ = ["ahead", "guard_limit", "landing", "smooth", "torque_reference", "wheel_reference"]
 
 Vector = NDArray[np.float64]
 
 SAMPLE_TIME = 0.01
 _RELEASE_RATE = 495.0  # N/s
 _WHEEL_SECONDS = 0.25  # from the opened clutch to the target
-_LANDING_SPEED = 25.0  # rad/s, relative speed from which it dies away
-_LANDING_SECONDS = 0.1  # its time constant
+LANDING_SPEED = 40.0
+"""Relative speed below which it has this reference; above the reference is zero [rad/s]."""
+LANDING_MARGIN = (0.05, 0.1)
+"""By how much a plan may be below [rad/s]: a number, and a share of the relative speed."""
+LANDING_FADING = 1000.0
+"""How fast [rad/s^3]."""
+LANDING_SLOPE = 8.0
+"""What is left of it at lock-up [rad/s^2]."""
 
 
 def smooth(first: float, last: float, share: ArrayLike) -> Vector:
@@ -65,40 +72,16 @@ def ahead(k: int) -> Vector:
 
 
 def landing(relative: float) -> Vector:
-    """Reference of the relative speed over a plan that begins at a relative speed [rad/s]."""
-    if abs(relative) > _LANDING_SPEED:
-        return np.zeros(HORIZON + 1)
-    value: Vector = relative * np.exp(-SAMPLE_TIME * np.arange(HORIZON + 1) / _LANDING_SECONDS)
-    return value
+    """How the relative speed dies away over a plan that begins at a relative speed [rad/s].
 
-
-def clutch_reference(shift: Shift, data: Transmission, first: float, t: ArrayLike) -> Vector:
-    """Clutch force of part 1 at times since its begin [N].
-
-    What the torque at the wheels asks for beyond what engine and brake can give while the engine keeps its speed: with
-    the engine at its limit, (10.13) and (10.14) at rest leave one clutch and one brake torque. It falls at the fastest
-    rate at most, and to zero once the torque at the wheels has arrived.
+    Its slope fades evenly, as the rates of engine and clutch allow, to that at lock-up:
+    ``s(t) = s0 - v t + j t^2/2`` with ``v^2 = a^2 + 2 j s0``, which meets zero with the slope -a.
     """
-    times = np.asarray(t, dtype=float)
-    engine = 0.99 * engine_limit(data.engine_speed(shift.gears[0], shift.speed))
-    wanted = torque_reference(shift.torques, times, shift.fall)
-    carried = [_balance(data, shift.gears[0], engine, torque, shift.speed) for torque in wanted]
-    force = np.clip(np.array(carried) / data.mu, 0.0, first)
-    open_from: Vector = np.where(times >= shift.fall, 0.0, force)
-    return open_from
-
-
-def _balance(data: Transmission, gear: int, engine: float, torque: float, wheels: float) -> float:
-    """Clutch torque with which engine and shafts gain speed as the vehicle does; the brake takes up the rest."""
-    a = data.z / data.r_gn  # flywheel speed per speed of the secondary shaft
-    ratio = data.gears[gear]
-    shaft_gain = (torque - data.b_v * wheels) / data.J_v / data.r_d
-    engine_gain = shaft_gain / ratio
-    inertia = np.array([[data.J_e + data.z**2 * data.J_f, -a * data.z * data.J_f],
-                        [-a * data.z * data.J_f, data.J_s + data.J_p / ratio**2 + a * a * data.J_f]])  # fmt: skip
-    needed = inertia @ [engine_gain, shaft_gain] - [engine, -data.r_d * torque]
-    forces = np.array([[-1.0, -data.z], [1.0 / ratio, a]])  # of clutch and brake, on engine and secondary shaft
-    return float(np.linalg.solve(forces, needed)[0])
+    size = abs(relative)
+    slope = np.sqrt(LANDING_SLOPE**2 + 2.0 * LANDING_FADING * size)
+    t = np.minimum(SAMPLE_TIME * np.arange(HORIZON + 1), (slope - LANDING_SLOPE) / LANDING_FADING)
+    value: Vector = np.maximum(size - slope * t + LANDING_FADING / 2.0 * t * t, 0.0) * np.sign(relative)
+    return value
 
 
 def guard_limit(shift: Shift, data: Transmission, secondary: float, t: ArrayLike) -> Vector:

@@ -16,16 +16,14 @@ from numpy.typing import NDArray
 
 from hysdel_py.control.closed_loop import closed_loop
 from hysdel_py.demos.shifts.cases import Part, Shift
-from hysdel_py.demos.shifts.controllers import (
-    NODE_LIMIT,
-    PartController,
-    part_model,
-    release_brake,
-    shift_controller,
-)
+from hysdel_py.demos.shifts.controllers import NODE_LIMIT, part_model, release_brake
 from hysdel_py.demos.shifts.judgement import Judgement, drive_torque, judged
+from hysdel_py.demos.shifts.lockup import LOCK_STEPS
+from hysdel_py.demos.shifts.methods import Method, first_state
 from hysdel_py.demos.shifts.plant import SAMPLE_TIME, STEPS_PER_SAMPLE, Deviation, ShiftPlant
+from hysdel_py.demos.shifts.ramps import RampTuning
 from hysdel_py.demos.shifts.references import torque_reference
+from hysdel_py.demos.shifts.sensors import Sensors
 from hysdel_py.demos.shifts.transmission import STATES, Transmission
 from hysdel_py.systems.trajectory import Trajectory
 
@@ -36,10 +34,7 @@ __all__ = ["ShiftRun", "run_shift"]
 
 Vector = NDArray[np.float64]
 
-_HANDED_TO_LOCK = 0.4  # rad/s, relative speed below which the lock-up law acts
-_LOCK_STEPS = 30
 _PATIENCE = 60  # samples that part 2 may take beyond its length in the document
-_GENTLE, _FAST = 200.0, 792.0  # N/s, closing a clutch that slips, and one that sticks
 
 
 @dataclass(frozen=True, eq=False)
@@ -55,6 +50,8 @@ class ShiftRun:
         The plant at its own steps.
     judgement : Judgement
     data : Transmission
+    controller : str
+        Who ran it.
     """
 
     shift: Shift
@@ -62,6 +59,7 @@ class ShiftRun:
     fine: Vector
     judgement: Judgement
     data: Transmission
+    controller: str = "hybrid"
 
     @property
     def done(self) -> bool:
@@ -90,7 +88,7 @@ class ShiftRun:
 
     def figures(self) -> dict[str, Any]:
         """The figures as plain data."""
-        return {"shift": self.shift.name} | self.judgement.figures()
+        return {"shift": self.shift.name, "controller": self.controller} | self.judgement.figures()
 
     def table(self) -> list[tuple[str, str]]:
         """The figures as lines of text and value."""
@@ -108,10 +106,13 @@ def run_shift(
     start: Vector | None = None,
     data: Transmission | None = None,
     *,
+    controller: str = "hybrid",
     deviation: Deviation | None = None,
     noise: Mapping[str, float] | None = None,
     seed: int = 0,
+    observed: bool = True,
     node_limit: int = NODE_LIMIT,
+    tuning: RampTuning | None = None,
     progress: Callable[[int, int], Any] | None = None,
 ) -> ShiftRun:
     """Run a shift on the plant with stick and slip.
@@ -120,84 +121,71 @@ def run_shift(
     ----------
     shift : Shift
     start : array of shape (7,), optional
-        State of the plant; the stationary state of the shift by default.
+        State of the plant; that of the shift by default.
     data : Transmission, optional
+    controller : str
+        One of :data:`hysdel_py.demos.shifts.methods.METHODS`.
     deviation : Deviation, optional
         Where the plant differs from the model of the controllers.
     noise : mapping of state to float, optional
         Standard deviations of the measurement.
     seed : int
         Of the noise.
+    observed : bool
+        Whether an observer tells the controllers what clutch and brake really grip, what is behind the noise, and
+        where the plant is when a delayed input begins to act.
     node_limit : int
         Nodes of the branch and bound per move.
+    tuning : RampTuning, optional
+        Of the ramps.
     progress : callable, optional
         Called with the step and the number of steps.
     """
     data, deviation = data or Transmission(), deviation or Deviation()
-    if start is None:
-        start = np.array(
-            list(data.stationary(shift.gears[0], shift.torques[0], shift.speed, deviation.friction).values())
-        )
-    rng = np.random.default_rng(seed) if noise else None
-    journey = _Journey(shift, data, deviation, noise or {}, rng, node_limit, progress, float(start[2]))
-    parts, fine = journey.run(np.asarray(start, dtype=float))
-    return ShiftRun(shift, parts, fine, judged(shift, data, parts, fine), data)
+    begin = first_state(shift, data, deviation.friction) if start is None else np.asarray(start, dtype=float)
+    method = Method(
+        shift, data, controller, begin, Sensors(noise or {}, seed), deviation.delay, observed=observed,
+        just_sticks=start is None, node_limit=node_limit, tuning=tuning or RampTuning(),
+    )  # fmt: skip
+    parts, fine = _Journey(method, deviation, progress).run(begin)
+    return ShiftRun(shift, parts, fine, judged(shift, data, parts, fine), data, controller)
 
 
 @dataclass(eq=False)
 class _Journey:
     """The three stretches of a shift, one after the other."""
 
-    shift: Shift
-    data: Transmission
+    method: Method
     deviation: Deviation
-    noise: Mapping[str, float]
-    rng: Any
-    node_limit: int
     progress: Callable[[int, int], Any] | None
-    force: float
 
     def run(self, start: Vector) -> tuple[tuple[Trajectory, ...], Vector]:
-        release, first = self._part(1, start, _steps(self.shift.release))
-        engage, second = self._part(2, release.x[-1], _steps(self.shift.engage) + _PATIENCE)
-        lock, third = self._lock(engage.x[-1], engage.steps)
+        shift = self.method.shift
+        release, first = self._part(1, start, _steps(shift.release), np.zeros(3))
+        engage, second = self._part(2, release.x[-1], _steps(shift.engage) + _PATIENCE, first.last)
+        third = self._plant(2, second.last)
+        lock = closed_loop(third, self.method.lockup(), engage.x[-1], LOCK_STEPS)
         return (release, engage, lock), np.vstack([*first.fine, *second.fine, *third.fine])
 
-    def _part(self, part: int, x: Vector, steps: int) -> tuple[Trajectory, ShiftPlant]:
-        plant = self._plant(part)
-        mpc = shift_controller(self.shift, part, self.data, self.node_limit)
-        since = 0.0 if part == 1 else self.shift.release.seconds
-        controller = PartController(self.shift, part, self.data, mpc, since, self.force, self.noise, self.rng)
+    def _part(self, part: int, x: Vector, steps: int, last: Vector) -> tuple[Trajectory, ShiftPlant]:
+        plant = self._plant(part, last)
         run = closed_loop(
-            plant, controller, x, steps, lambda k: k, on_failure=release_brake,
-            stop=self._met if part == 2 else None, progress=self._told(part),
+            plant, self.method.controller(part), x, steps, lambda k: k, on_failure=release_brake,
+            stop=self.method.met if part == 2 else None, progress=self._told(part),
         )  # fmt: skip
         return run, plant
 
-    def _plant(self, part: int) -> ShiftPlant:
-        model = part_model(self.shift, part, self.data)
-        return ShiftPlant(model, self.data, self.shift.gears[part - 1], self.deviation)
-
-    def _met(self, _k: int, x: Vector) -> bool:
-        return abs(self.data.relative_speed(self.shift.gears[1], x[4], x[5])) < _HANDED_TO_LOCK
-
-    def _lock(self, x: Vector, _done: int) -> tuple[Trajectory, ShiftPlant]:
-        plant = self._plant(2)
-        wanted = self.shift.torques[1] * self.data.overall(self.shift.gears[1])
-
-        def law(x: Vector, _ref: Any) -> Vector:
-            """Close gently while the clutch slips, fully once it sticks; engine torque to its stationary value."""
-            slip = self.data.relative_speed(self.shift.gears[1], x[4], x[5])
-            close = _FAST if abs(slip) < 1e-6 else _GENTLE
-            engine = np.clip((wanted - x[0]) / (10 * SAMPLE_TIME), -396.0, 495.0)
-            return np.array([engine, -495.0, close])
-
-        return closed_loop(plant, law, x, _LOCK_STEPS), plant
+    def _plant(self, part: int, last: Vector) -> ShiftPlant:
+        shift, data = self.method.shift, self.method.data
+        plant = ShiftPlant(part_model(shift, part, data), data, shift.gears[part - 1], self.deviation)
+        plant.last = last
+        return plant
 
     def _told(self, part: int) -> Callable[[int, int], Any] | None:
         if self.progress is None:
             return None
-        first, total = _steps(self.shift.release), _steps(self.shift.release) + _steps(self.shift.engage)
+        shift = self.method.shift
+        first, total = _steps(shift.release), _steps(shift.release) + _steps(shift.engage)
         before, told = (0 if part == 1 else first), self.progress
         return lambda k, _steps: told(min(before + k, total), total)
 

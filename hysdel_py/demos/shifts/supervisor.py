@@ -100,6 +100,8 @@ class Supervisor:
         if since < self.rest:
             return Decision(gear, here, None, f"{gear}-{wanted} wanted ({why}), {self.rest:g} s after a shift at most")
         after = min(asked, self.reserve * sustained(self.data, wanted, wheels))
+        if wanted < gear:  # the engine alone carries it with the clutch open; the rest comes when the shift is done
+            after = min(after, self._bridged(gear, wanted, wheels))
         refused = self._refusal(gear, wanted, wheels, after, torque)
         if refused:
             return Decision(gear, here, None, f"{gear}-{wanted} refused: {refused}")
@@ -126,9 +128,13 @@ class Supervisor:
             return f"the engine would turn at {engine:.0f} rad/s, outside its range"
         if min(after, torque) < self.least:
             return f"{min(after, torque):.0f} Nm at the wheels, {self.least:g} Nm are needed to move the engine"
-        now = engine_limit(self.data.engine_speed(gear, wheels))
-        brake = 0.0 if wanted < gear else self.data.mu * 0.9 * 200.0
-        most = bridged(self.data, 0.95 * now, brake)
+        most = self._bridged(gear, wanted, wheels)
         if after > most:
             return f"{after:.0f} Nm after the shift, {most:.0f} Nm at most with the clutch open"
         return ""
+
+    def _bridged(self, gear: int, wanted: int, wheels: float) -> float:
+        """Torque that engine and brake, in a downshift the engine alone, carry with the clutch open [Nm]."""
+        now = engine_limit(self.data.engine_speed(gear, wheels))
+        brake = 0.0 if wanted < gear else self.data.mu * 0.9 * 200.0
+        return bridged(self.data, 0.95 * now, brake)

@@ -9,10 +9,14 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
+import numpy as np
+
 from hysdel_py.errors import ArgumentError
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
+
+    from numpy.typing import NDArray
 
 __all__ = ["LEAST_SPEED", "MOST_SPEED", "STATES", "Transmission", "engine_limit"]
 
@@ -131,3 +135,38 @@ class Transmission:
             "Te": engine, "Fnb": 0.0, "Fnc": engine / (self.mu * grip), "dphi": torque / self.k,
             "we": self.engine_speed(gear, wheels), "ws": wheels / self.r_d, "wv": wheels,
         }  # fmt: skip
+
+    def inertia(self, gear: int) -> NDArray[np.float64]:
+        """Inertias of engine and secondary shaft with a gear in place and the clutch open, coupled by the flywheel."""
+        a, flywheel = self.z / self.r_gn, self.J_f
+        coupled = -a * self.z * flywheel
+        shafts = self.J_s + self.J_p / self.gears[gear] ** 2 + a * a * flywheel
+        return np.array([[self.J_e + self.z**2 * flywheel, coupled], [coupled, shafts]])
+
+    def rolling(self, gear: int, torque: float, wheels: float) -> dict[str, float]:
+        """State in which all shafts gain speed as the vehicle does, with a clutch that just sticks and the brake off.
+
+        Parameters
+        ----------
+        gear : int
+        torque : float
+            Of the drive shaft [Nm].
+        wheels : float
+            Speed of the wheels [rad/s].
+        """
+        secondary = (torque - self.b_v * wheels) / self.J_v / self.r_d
+        needed = self.inertia(gear) @ [secondary / self.gears[gear], secondary] + [0.0, self.r_d * torque]
+        clutch = self.gears[gear] * needed[1]
+        twist = torque / self.k
+        return self.stationary(gear, torque, wheels) | {
+            "Te": float(needed[0] + clutch), "Fnc": float(clutch) / self.mu, "dphi": twist
+        }  # fmt: skip
+
+    def stuck_clutch(self, gear: int, x: NDArray[np.float64]) -> float:
+        """Torque that the clutch carries in a state in which it sticks, with the brake off [Nm]."""
+        engine, _, _, twist, _, secondary, wheels = x
+        ratio = self.gears[gear]
+        both = self.inertia(gear) @ [1.0 / ratio, 1.0]
+        torque = self.k * twist + self.d * (self.r_d * secondary - wheels)
+        gain = (engine / ratio - self.r_d * torque) / (both[0] / ratio + both[1])
+        return float(engine - both[0] * gain)

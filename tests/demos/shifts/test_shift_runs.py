@@ -4,10 +4,11 @@ import numpy as np
 import pytest
 
 from hysdel_py.demos.shifts.cases import SHIFTS
-from hysdel_py.demos.shifts.plant import FINE
-from hysdel_py.demos.shifts.references import clutch_reference, landing, smooth, wheel_reference
+from hysdel_py.demos.shifts.plant import FINE, Deviation
+from hysdel_py.demos.shifts.references import LANDING_SLOPE, landing, smooth, wheel_reference
 from hysdel_py.demos.shifts.shift import run_shift
 from hysdel_py.demos.shifts.transmission import Transmission
+from hysdel_py.errors import ArgumentError
 
 DATA = Transmission()
 
@@ -29,10 +30,15 @@ def test_brake_is_off_where_the_flywheel_reverses(upshift):
     assert brake[turns].max() <= 0.011
 
 
-def test_clutch_of_the_new_gear_locks_from_above(upshift):
+def test_clutch_of_the_new_gear_is_met_softly_and_from_above(upshift):
     assert upshift.done
     assert upshift.judgement.shift_time < 1.7
-    assert -100 < upshift.judgement.lockup_slope <= 0
+    assert -30 < upshift.judgement.lockup_slope <= 0
+    assert upshift.judgement.jerk < 5
+
+
+def test_torque_stays_near_its_reference_to_the_end(upshift):
+    assert upshift.judgement.deviation_engage < 12.0, "2 % of 600 Nm"
 
 
 def test_ranges_curve_brake_rule_and_sign_hold_at_every_step(upshift):
@@ -49,8 +55,52 @@ def test_references_begin_and_end_where_they_should():
     assert smooth(1.0, 3.0, [-1.0, 0.0, 0.5, 1.0, 2.0]).tolist() == [1.0, 1.0, 2.0, 3.0, 3.0]
     wheel = wheel_reference(shift, DATA, 280.0, 84.0, [0.0, 1.0])
     assert wheel == pytest.approx([DATA.flywheel_speed(280.0 * 1.913 + 2.0, 280.0), -50.0])
-    assert np.all(landing(100.0) == 0)
-    assert np.all(np.diff(landing(3.0)) < 0)
-    force = clutch_reference(SHIFTS["upshift-12"], DATA, 129.0, np.arange(0, 0.5, 0.01))
-    assert force[0] == 129.0
-    assert force[-1] == 0.0
+
+
+def test_landing_meets_zero_with_its_slope():
+    """s(t) falls along a parabola: differences of neighbours shrink evenly until the slope at lock-up is reached."""
+    far = landing(50.0)
+    slopes = np.diff(far) / 0.01
+    assert far[0] == 50.0
+    assert np.diff(slopes) == pytest.approx(1000.0 * 0.01)
+    near = landing(0.02)
+    assert near[1] == pytest.approx(0.0, abs=1e-12)
+    assert (near[0] - near[1]) / 0.01 < LANDING_SLOPE
+    assert np.array_equal(landing(-50.0), -far)
+
+
+@pytest.mark.parametrize("friction", [0.85, 1.2])
+def test_observer_keeps_the_torque_when_friction_is_not_that_of_the_model(friction):
+    run = run_shift(SHIFTS["upshift-23"], deviation=Deviation(friction=friction))
+    assert run.done
+    assert run.judgement.relative_release < 0.02
+    assert run.judgement.brake_at_reversal < 0.02
+
+
+def test_ramps_finish_the_shift_but_not_as_well(upshift):
+    ramps = run_shift(SHIFTS["upshift-23"], controller="ramps")
+    assert ramps.done
+    assert ramps.controller == "ramps"
+    assert ramps.judgement.relative_release > 2 * upshift.judgement.relative_release
+    assert ramps.judgement.moves > 0
+    assert ramps.judgement.proven == 0
+
+
+def test_fixed_modes_leave_the_brake_on_at_the_reversal():
+    linear = run_shift(SHIFTS["upshift-23"], controller="linear")
+    assert linear.done
+    assert linear.judgement.brake_at_reversal > 1.0
+    assert any("brake rule" in text for text in linear.judgement.broken)
+
+
+def test_another_controller_is_refused():
+    with pytest.raises(ArgumentError, match="controller is 'pid': one of hybrid, linear, ramps was expected"):
+        run_shift(SHIFTS["upshift-23"], controller="pid")
+
+
+def test_downshift_keeps_the_torque():
+    down = run_shift(SHIFTS["downshift-32"])
+    assert down.done
+    assert down.judgement.relative_release < 0.02
+    assert down.judgement.deviation_engage < 8.0
+    assert down.judgement.broken == ()

@@ -3,6 +3,7 @@
 import pytest
 
 from hysdel_py.demos.shifts.supervisor import Supervisor
+from hysdel_py.demos.shifts.transmission import Transmission
 from hysdel_py.errors import ArgumentError
 
 BOSS = Supervisor()
@@ -43,7 +44,6 @@ def test_rests_between_shifts():
     ("arguments", "words"),
     [
         ((1, 38.0, 0.05, 60.0, 5.0), "150 Nm are needed to move the engine"),
-        ((3, 25.0, 1.0, 400.0, 5.0), "at most with the clutch open"),
     ],
 )
 def test_refuses_with_a_reason(arguments, words):
@@ -51,6 +51,21 @@ def test_refuses_with_a_reason(arguments, words):
     assert decision.shift is None
     assert decision.gear == arguments[0]
     assert words in decision.reason
+
+
+def test_refuses_what_a_weak_brake_cannot_carry():
+    weak = Supervisor(Transmission(mu=0.1))
+    decision = weak.decide(1, 38.0, 0.7, 700.0, 5.0)
+    assert decision.shift is None
+    assert "at most with the clutch open" in decision.reason
+
+
+def test_kick_down_begins_with_what_the_engine_alone_carries():
+    decision = BOSS.decide(3, 40.0, 1.0, 400.0, 5.0)
+    assert decision.shift.gears == (3, 2)
+    assert decision.reason == "kick-down"
+    assert decision.torque < 3.73 * 130
+    assert decision.torque < BOSS.decide(2, 40.0, 1.0, 400.0, 5.0).torque
 
 
 def test_wrong_arguments():

@@ -1,0 +1,150 @@
+"""Twist, speeds and what clutch and brake really grip, from measurements with noise while a shift runs.
+
+The models know one coefficient of friction, and a plant has another. As long as a contact slips, the accelerations of
+the shafts tell its torque. A Kalman filter follows twist, three speeds and two factors, one of the friction of the
+clutch and one of that of the brake: with the measured engine torque and forces its equations are linear, with
+coefficients that change from sample to sample. It ends with a prediction over the delay of the actuators.
+
+The controllers then plan with effective forces, factor times force, for which their model is right.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import NDArray
+
+from hysdel_py.demos.shifts.response import slipping
+from hysdel_py.demos.shifts.transmission import Transmission
+
+__all__ = ["ShiftObserver"]
+
+Vector = NDArray[np.float64]
+Matrix = NDArray[np.float64]
+
+_RANGE = (0.6, 1.6)
+_NOISE = np.array([2e-4, 0.2, 0.2, 0.02])
+"""Standard deviations of measured twist [rad] and of the speeds of engine, secondary shaft and wheels [rad/s]."""
+_DRIFT = np.array([1e-4, 0.1, 0.1, 0.002, 0.01, 0.01])
+"""By how much the equations of these and of both factors may be off in a sample."""
+_STUCK_DRIFT = np.array([1e-4, 2.0, 2.0, 0.002, 0.01, 0.01])
+"""The same for a clutch that may stick, and then carries what nobody knows."""
+_FIRST_DOUBT = 0.15
+_SLIPS = 1.0  # rad/s, from which the sign of a slip is certain
+_TERMS = 5  # of the exponential series: the fastest swing turns by 0.4 rad in a sample
+_MOVING = slice(3, 7)
+_BRAKE, _CLUTCH = 1, 2
+
+
+@dataclass(eq=False)
+class ShiftObserver:
+    """An estimate of the state of a shift, sample by sample.
+
+    Parameters
+    ----------
+    data : Transmission
+        Numbers of the model.
+    gear : int
+        In place; :meth:`change_gear` goes on in another one.
+    sample_time : float
+        [s]
+    first : float
+        Factor to begin with, of both frictions.
+    delay : float
+        Seconds until an input takes effect.
+    """
+
+    data: Transmission
+    gear: int
+    sample_time: float
+    first: float = 1.0
+    delay: float = 0.0
+    factors: Vector = field(init=False)
+
+    def __post_init__(self) -> None:
+        self.factors = np.clip(np.full(2, self.first), *_RANGE)
+        self._doubt = np.diag(np.concatenate([_NOISE, [_FIRST_DOUBT, _FIRST_DOUBT]]) ** 2)
+        self._moving = np.zeros(4)
+        self._before: Vector | None = None
+        self._A = slipping(self.data, self.gear)[0]
+
+    def change_gear(self, gear: int) -> None:
+        """Go on in another gear; what is known of the friction stays."""
+        self.gear, self._A, self._before = gear, slipping(self.data, gear)[0], None
+
+    def update(self, x: Vector, last: Vector) -> Vector:
+        """Take a measured state and the input before it; return the state with effective forces when inputs act.
+
+        Parameters
+        ----------
+        x : array of shape (7,)
+        last : array of shape (3,)
+            Rates that were asked for in the sample before.
+        """
+        sticks = self._sticks(x if self._before is None else self._before, x)
+        if self._before is None:
+            self._restart(x)
+        else:
+            self._predict((self._before + x) / 2, _STUCK_DRIFT if sticks else _DRIFT)
+            self._correct(x[_MOVING], learns=not sticks)
+        self._before = np.array(x, dtype=float)
+        return self._ahead(x, last, sticks=sticks)
+
+    def _restart(self, x: Vector) -> None:
+        """What moves is as measured."""
+        self._moving = np.array(x[_MOVING], dtype=float)
+        self._doubt[:4], self._doubt[:, :4] = 0.0, 0.0
+        self._doubt[:4, :4] = np.diag(_NOISE**2)
+
+    def _predict(self, mean: Vector, drift: Vector) -> None:
+        step = _exponential(self._generator(mean) * self.sample_time)
+        self._moving = (step @ np.concatenate([self._moving, self.factors, [1.0]]))[:4]
+        self._doubt = step[:6, :6] @ self._doubt @ step[:6, :6].T + np.diag(drift**2)
+
+    def _correct(self, measured: Vector, *, learns: bool) -> None:
+        gain = self._doubt[:, :4] @ np.linalg.inv(self._doubt[:4, :4] + np.diag(_NOISE**2))
+        if not learns:
+            gain[4:] = 0.0
+            self._doubt[:4, 4:], self._doubt[4:, :4] = 0.0, 0.0
+        surprise = measured - self._moving
+        self._moving = self._moving + gain[:4] @ surprise
+        self.factors = np.clip(self.factors + gain[4:] @ surprise, *_RANGE)
+        self._doubt = self._doubt - gain @ self._doubt[:4]
+        self._doubt = (self._doubt + self._doubt.T) / 2
+
+    def _generator(self, inputs: Vector) -> Matrix:
+        """Of twist, speeds, both factors and the number one, for an engine torque and forces that stay."""
+        _, engine, secondary, _ = self._moving
+        clutch = -1.0 if self.data.relative_speed(self.gear, engine, secondary) < -_SLIPS else 1.0
+        brake = -np.sign(self.data.flywheel_speed(engine, secondary))
+        rows, found = self._A[_MOVING], np.zeros((7, 7))
+        found[:4, :4] = rows[:, _MOVING]
+        found[:4, 4] = rows[:, _CLUTCH] * clutch * self.data.mu * max(inputs[_CLUTCH], 0.0)
+        found[:4, 5] = rows[:, _BRAKE] * brake * self.data.mu * max(inputs[_BRAKE], 0.0)
+        found[:4, 6] = rows[:, 0] * inputs[0]
+        return found
+
+    def _ahead(self, x: Vector, last: Vector, *, sticks: bool) -> Vector:
+        """The state when the next input begins to act, with effective forces; what sticks stays."""
+        inputs, moving = np.array(x[:3], dtype=float), self._moving
+        if self.delay and not sticks:
+            step = _exponential(self._generator(inputs + self.delay / 2 * last) * self.delay)
+            moving = (step @ np.concatenate([moving, self.factors, [1.0]]))[:4]
+        if self.delay:
+            inputs = np.maximum(inputs + self.delay * last, 0.0)
+        return np.concatenate([inputs * [1.0, self.factors[1], self.factors[0]], moving])
+
+    def _sticks(self, x: Vector, x1: Vector) -> bool:
+        """Whether the clutch, while it carries torque, may have stuck or turned round within the sample."""
+        slips = [abs(self.data.relative_speed(self.gear, state[4], state[5])) for state in (x, x1)]
+        return bool(x1[_CLUTCH] > 1.0 and min(slips) < _SLIPS)
+
+
+def _exponential(matrix: Matrix) -> Matrix:
+    """Of a small matrix, by its series."""
+    found = term = np.eye(len(matrix))
+    for k in range(1, _TERMS + 1):
+        term = term @ matrix / k
+        found = found + term
+    return found
