@@ -21,6 +21,7 @@ __all__ = [
     "as_trajectory",
     "choose_step",
     "shifted",
+    "shifted_experience",
     "shifted_sides",
     "shifted_variables",
     "simulated_binaries",
@@ -28,6 +29,8 @@ __all__ = [
 
 Matrix = NDArray[np.float64]
 Indices = NDArray[np.int64]
+REMEMBERED = 4.0
+"""An old pseudo-cost counts as this many observations at most."""
 Step = Callable[[Matrix, Matrix], tuple[Matrix, Matrix, Matrix, Matrix]]
 
 
@@ -106,6 +109,24 @@ def shifted_variables(formulation: Formulation, v: Matrix) -> Matrix:
     stages = layout.horizon * size
     later = v.copy()
     later[: stages - size] = v[size:stages]
+    return later
+
+
+def shifted_experience(formulation: Formulation, pseudo_costs: Matrix) -> Matrix:
+    """Return pseudo-costs one step later, as means of a few observations; the last stage begins without any.
+
+    What was seen long ago must not outweigh what is seen now.
+    """
+    layout = formulation.layout
+    size = layout.stage_size
+    stages = layout.horizon * size
+    later = np.zeros_like(pseudo_costs)
+    later[: stages - size] = pseudo_costs[size:stages]
+    for at in (0, 2):
+        number = later[:, at + 1]
+        kept = np.minimum(number, REMEMBERED)
+        later[:, at] *= kept / np.maximum(number, 1.0)
+        later[:, at + 1] = kept
     return later
 
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
+from math import isfinite
 from typing import TypeAlias
 
 import numpy as np
@@ -77,6 +78,8 @@ class References:
         return dict(zip(self.names, vector.tolist(), strict=True))
 
     def _values(self, value: ArrayLike, name: str) -> Matrix:
+        if isinstance(value, float) and isfinite(value):
+            return np.full(self.horizon + 1, value)
         try:
             array = np.array(value, dtype=float)
         except (TypeError, ValueError):

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from math import inf
+from time import perf_counter
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -28,8 +29,10 @@ ROOM = 64
 """Nodes for which there is room at first."""
 WORDS = 64
 """Guessed words that are remembered."""
-SLICE, TIMED = 256, 8
-"""Nodes between two looks at the clock where nobody listens, without and with a limit of time."""
+SLICE = 256
+"""Most nodes between two looks at the clock where nobody listens."""
+PATIENCE = 0.5
+"""Share of the time that is left which the nodes up to the next look at the clock may take."""
 NOTHING = np.zeros(0)
 _FATES = (NodeFate.SPLIT, NodeFate.CUT_OFF, NodeFate.INFEASIBLE, NodeFate.LEAF)
 """In the order of the numbers that the loop has for them."""
@@ -45,6 +48,7 @@ class Workspace:
     """
 
     def __init__(self, miqp: Miqp, settings: MiqpSettings, dense: DenseSolver, columns: Any) -> None:
+        from hysdel_py.optimize.kernels.search import NUMBERS
         from hysdel_py.optimize.kernels.tree import COUNTERS
 
         n, m = miqp.qp.n, miqp.qp.m
@@ -54,9 +58,9 @@ class Workspace:
         self.rounding = 2 * (n + m + 8) * UNIT_ROUNDOFF
         self.tree = _room(ROOM, n, min(n, dense.settings.largest))
         self.state = (
-            np.zeros(n), np.zeros(3), np.zeros(COUNTERS, dtype=np.int64), (np.zeros(n), np.zeros(n)),
+            np.zeros(n), np.zeros(NUMBERS), np.zeros(COUNTERS, dtype=np.int64), (np.zeros(n), np.zeros(n)),
             np.full(n, np.nan), np.zeros(WORDS, dtype=np.int64), (np.zeros(n), np.zeros(n)),
-            np.zeros((n, 2), dtype=np.int64), np.zeros((WORDS, len(self.binaries))),
+            np.zeros((n, 2), dtype=np.int64), np.zeros((WORDS, len(self.binaries))), np.zeros((n, 4)),
         )  # fmt: skip
         s, d, p = settings, dense.settings, settings.propagation
         self.settings = (
@@ -118,12 +122,15 @@ class Hints:
         Only its drivers count.
     active : array of shape (rows, 2), or None
         Active inequalities.
+    pseudo_costs : array of shape (n, 4), or None
+        See :mod:`hysdel_py.optimize.kernels.branching`.
     """
 
     floor: float = -inf
     word: Vector | None = None
     point: Vector | None = None
     active: NDArray[np.int64] | None = None
+    pseudo_costs: Vector | None = None
 
 
 class CompiledSearch:
@@ -145,7 +152,7 @@ class CompiledSearch:
         assert solver.workspace is not None
         self.space: Workspace = solver.workspace
         self.search = Search(solver, qp, begin)
-        self.search.heuristic = heuristic
+        self.search.heuristic, self.search.rows = heuristic, self.space.dense.rows
         self.progress = progress
         bounded = bool(np.isfinite(qp.lb).all() and np.isfinite(qp.ub).all())
         self.data = self.space.data(qp, None if bounded else solver.verified.certifier(qp).curvature)
@@ -159,8 +166,8 @@ class CompiledSearch:
             before = self.search.nodes
             self._advance()
             stop = self.search.reason_to_stop(self.progress if self.search.nodes > before else None)
-        result = self.search.finished() if stop is None else self.search.stopped(stop)
-        return replace(result, active=self._root_active())
+        self.search.active, self.search.pseudo_costs = self._root_active(), self.space.state[9].copy()
+        return self.search.finished() if stop is None else self.search.stopped(stop)
 
     def rehearse(self) -> None:
         """Load or compile the loop, so that the first search does not have to wait for it."""
@@ -171,10 +178,10 @@ class CompiledSearch:
         """Open the root; False if propagation proves the problem empty."""
         from hysdel_py.optimize.kernels.search import start
 
-        point, word = (
-            NOTHING if part is None else np.array(part, dtype=float) for part in (hints.point, hints.word)
-        )  # fmt: skip
+        point = NOTHING if hints.point is None else np.array(hints.point, dtype=float)
+        word = NOTHING if hints.word is None else np.array(hints.word, dtype=float)
         guess = (float(hints.floor), point, word, NO_GUESS if hints.active is None else hints.active)
+        self.space.state[9][:] = 0.0 if hints.pseudo_costs is None else hints.pseudo_costs
         self.search.known, self.search.elsewhere = hints.floor, 1
         return bool(start(self.data, self.space.tree, self.space.state, self.space.settings, guess))
 
@@ -183,7 +190,8 @@ class CompiledSearch:
         from hysdel_py.optimize.kernels import search as kernel
 
         reason = self._loop(self._slice())
-        self.search.record = self._record()
+        if self.progress is not None:
+            self.search.record = self._record()
         if reason == kernel.FULL:
             self.space.grow()
         elif reason == kernel.HELP:
@@ -220,9 +228,15 @@ class CompiledSearch:
         s = self.search
         if self.progress is not None or s.heuristic is not None or not kernels_are_compiled():
             return 1
-        most = 1 if s.settings.time_limit < inf and not s.nodes else SLICE
-        most = min(most, TIMED) if s.settings.time_limit < inf else most
+        most = SLICE if s.settings.time_limit == inf else self._affordable()
         return int(max(1, min(most, s.settings.node_limit - s.nodes)))
+
+    def _affordable(self) -> float:
+        """Nodes that fit into the time that is left, as far as those before tell; one at first."""
+        s = self.search
+        spent = perf_counter() - s.start
+        left = s.settings.time_limit - spent
+        return min(SLICE, PATIENCE * left * s.nodes / spent)
 
     def _take_over(self) -> None:
         """Tell the search in Python what the compiled loop has found."""

@@ -55,6 +55,8 @@ class MiqpSolver:
     def __init__(self, miqp: Miqp, settings: MiqpSettings | None = None) -> None:
         self.miqp = miqp
         self.settings = settings or MiqpSettings()
+        self._within_bounds = False
+        self._within_bounds = self._problem(miqp.qp) is miqp.qp
         get_backend(self.settings.solver, self.settings.qp)
         self.verified = VerifiedSolver(
             miqp.qp, self.settings.solver, self.settings.qp, dense=dense_solver(miqp, self.settings.backend)
@@ -81,6 +83,7 @@ class MiqpSolver:
         incumbent: ArrayLike | None = None,
         point: ArrayLike | None = None,
         active: NDArray[np.int64] | None = None,
+        pseudo_costs: Vector | None = None,
         heuristic: Heuristic | None = None,
         progress: Progress | None = None,
     ) -> MiqpResult:
@@ -102,6 +105,9 @@ class MiqpSolver:
         active : array of shape (rows, 2), optional
             Rows, or m + variable, and signs of their sides that may be active at the relaxed solution. Only the dense
             kernels use it; an earlier result has it as ``active``.
+        pseudo_costs : array of shape (n, 4), optional
+            What the search of a similar problem has learnt; an earlier result has it as ``pseudo_costs``. It chooses
+            where nodes are split. Only the dense kernels use it.
         heuristic : callable, optional
             ``heuristic(x, lb, ub)`` gets a relaxed point and the bounds of its node, arrays of length n, and returns
             one vector of binary values, several as rows, or None.
@@ -121,7 +127,8 @@ class MiqpSolver:
         start = perf_counter()
         qp = self._problem(self.miqp.qp.with_vectors(q, l=l, u=u, lb=lb, ub=ub, constant=constant))
         if self.workspace is not None:
-            hints = Hints(floor, self._guess(incumbent), None if point is None else np.asarray(point), active)
+            point = None if point is None else np.asarray(point)
+            hints = Hints(floor, self._guess(incumbent), point, active, pseudo_costs)
             return CompiledSearch(self, qp, start, heuristic, progress).run(hints)
         search = Search(self, qp, start)
         search.heuristic, search.known = heuristic, floor
@@ -136,6 +143,8 @@ class MiqpSolver:
 
     def _problem(self, qp: Qp) -> Qp:
         """Cut the bounds of the binaries to [0, 1]."""
+        if qp.lb is self.miqp.qp.lb and qp.ub is self.miqp.qp.ub and self._within_bounds:
+            return qp
         at = self.miqp.binaries
         if (qp.lb[at] >= 0.0).all() and (qp.ub[at] <= 1.0).all():
             return qp

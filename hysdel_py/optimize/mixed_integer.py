@@ -209,6 +209,9 @@ class MiqpResult:
     active : array of shape (rows, 2), or None
         Active inequalities at the relaxed solution of the whole problem, where the dense kernels found them: a row, or
         m + variable, and 1 for the upper side or -1 for the lower one.
+    pseudo_costs : array of shape (n, 4), or None
+        What the compiled loop has learnt about splitting at each variable: the sum of the growths of the bound per unit
+        and their number, for the value 0, then for 1.
     """
 
     status: MiqpStatus
@@ -222,6 +225,7 @@ class MiqpResult:
     message: str
     residual: float
     active: NDArray[np.int64] | None = None
+    pseudo_costs: Vector | None = None
 
 
 def _indices(value: ArrayLike | Sequence[int], n: int, name: str) -> Indices:

@@ -10,6 +10,7 @@ from __future__ import annotations
 import numpy as np
 
 from hysdel_py.optimize.compiled import compiled, leaf
+from hysdel_py.optimize.kernels.branching import branching_variable, learn
 from hysdel_py.optimize.kernels.certificate import bound_below, excess, farkas_bound
 from hysdel_py.optimize.kernels.guessing import fix_word, follow, queue_rows
 from hysdel_py.optimize.kernels.node import BEATEN, EMPTY, SOLVED, middle, solve_node, value_at
@@ -32,7 +33,8 @@ from hysdel_py.optimize.kernels.tree import (
 )
 
 __all__ = [
-    "BOUND", "CALM", "CUT_OFF", "FLOOR", "FULL", "HELP", "INFEASIBLE", "LEAF", "OBJECTIVE", "PAUSED", "SPLIT",
+    "BOUND", "CALM", "CUT_OFF", "FLOOR", "FULL", "HELP", "INFEASIBLE", "LEAF", "NUMBERS", "OBJECTIVE", "PAUSED",
+    "SPLIT",
     "note_word", "run", "start",
 ]  # fmt: skip
 
@@ -40,8 +42,11 @@ CALM, PAUSED, FULL, HELP = 0, 1, 2, 3
 """Why a slice ended: no open node, its nodes are used up, no room for two more, a node that needs other means."""
 SPLIT, CUT_OFF, INFEASIBLE, LEAF = 0, 1, 2, 3
 """What became of a node."""
-OBJECTIVE, FLOOR, BOUND = 0, 1, 2
-"""Numbers: value of the incumbent, least bound of the parts that are done, bound of the node at hand."""
+OBJECTIVE, FLOOR, BOUND, HINTED = 0, 1, 2, 3
+"""Numbers: value of the incumbent, least bound of the parts that are done, bound of the node at hand, and whether the
+root begins at a point whose drivers may be good."""
+NUMBERS = 4
+"""How many."""
 
 MODULUS = 2**61 - 1
 """Words of binaries are told apart by their values as numbers modulo this."""
@@ -60,6 +65,7 @@ def start(data, tree, state, settings, guess):
     floor, point, word, active = guess
     numbers, counters, root = state[1], state[2], state[6]
     numbers[OBJECTIVE] = numbers[FLOOR] = np.inf
+    numbers[HINTED] = 1.0 if len(point) else 0.0
     counters[:] = 0
     if not open_root(data, root, settings):
         return False
@@ -67,10 +73,6 @@ def start(data, tree, state, settings, guess):
     push(tree, counters, root, floor, -1, 0.0, active, point if len(point) else middle(root))
     if len(word):
         note_word(word, state)
-    if len(point):
-        box = root[0].copy(), root[1].copy()
-        if follow(data[0], data[2], box, point, data[4], True, settings[2]):
-            note_word(box[0][data[5]], state)
     return True
 
 
@@ -99,6 +101,8 @@ def open_root(data, root, settings):
 def run(data, tree, state, settings, slice_):
     """Look at guesses and open nodes until something of :data:`CALM` to :data:`HELP` happens.
 
+    The root comes before all guesses: often its relaxed point is as good as a guess, and no other program is solved.
+
     Parameters
     ----------
     data : (problem, groups, columns, wide, decisions, binaries, priorities, known)
@@ -107,9 +111,10 @@ def run(data, tree, state, settings, slice_):
         :func:`hysdel_py.optimize.kernels.certificate.bound_below`.
     tree
         See :mod:`hysdel_py.optimize.kernels.tree`.
-    state : (x, numbers, counters, box, relaxed, words, root, active, pending)
+    state : (x, numbers, counters, box, relaxed, words, root, active, pending, costs)
         Incumbent; numbers and counters; box and relaxed point of the node at hand; words that were guessed, as
-        numbers; propagated bounds of the whole problem, and active inequalities there; words to be tried.
+        numbers; propagated bounds of the whole problem, and active inequalities there; words to be tried; pseudo-costs,
+        see :mod:`hysdel_py.optimize.kernels.branching`.
     settings : (gaps, solver, propagation, feasibility, integrality, rounding)
         `gaps` is (absolute, relative).
     slice_ : int
@@ -118,7 +123,7 @@ def run(data, tree, state, settings, slice_):
     counters, box = state[2], state[3]
     stop = counters[NODES] + slice_
     while counters[PENDING] > 0 or counters[OPEN] > 0:
-        guessed = counters[PENDING] > 0
+        guessed = counters[PENDING] > 0 and counters[NODES] > 0
         if guessed:
             slot = counters[LAST]  # its relaxation is a good start
             ready = take_word(data, state, settings)
@@ -137,6 +142,8 @@ def run(data, tree, state, settings, slice_):
                 offer(data, box, w, state, settings)
         elif not digest(data, tree, (status, w, bound, active), state, settings):
             return HELP
+        if counters[OPEN] == 0 and state[1][FLOOR] >= worthwhile(state[1], settings[0]):
+            counters[PENDING] = 0
     return CALM
 
 
@@ -170,7 +177,22 @@ def enter(data, tree, slot, state, settings):
     box[0][j] = box[1][j] = tree[3][slot, 1]
     queued = np.zeros(len(problem[3]), dtype=np.bool_)
     queue_rows(j, columns[0], columns[1], queued)
-    return propagate(problem[2], columns, problem[5], box, (problem[3], problem[4]), queued, settings[2])[0] < 0
+    sides = problem[3], problem[4]
+    if propagate(problem[2], columns, problem[5], box, sides, queued, settings[2])[0] >= 0:
+        learn(state[9], j, tree[3][slot, 1], tree[8][slot, j], growth(numbers, np.inf, settings[0]))
+        return False
+    return True
+
+
+@leaf
+def growth(numbers, bound, gaps):
+    """By how much a new bound is above that of the parent, as far as it matters; not a number if that is unknown."""
+    before, enough = numbers[BOUND], worthwhile(numbers, gaps)
+    if before == -np.inf:
+        return np.nan
+    if bound == np.inf and enough == np.inf:
+        return 1.0 + abs(before)
+    return max(min(bound, enough) - before, 0.0)
 
 
 @leaf
@@ -190,12 +212,14 @@ def digest(data, tree, verdict, state, settings):
     if counters[DEPTH] == 0:
         counters[ACTIVE] = min(len(active), len(state[7]))
         state[7][: counters[ACTIVE]] = active[: counters[ACTIVE]]
+    variable, slot = counters[WAY], counters[LAST]
+    if variable >= 0 and status >= 0:
+        gained = growth(numbers, np.inf if status == EMPTY else bound, settings[0])
+        learn(state[9], variable, tree[3][slot, 1], tree[8][slot, variable], gained)
     if status == EMPTY:
         return True
     numbers[BOUND] = max(numbers[BOUND], bound)
-    counters[FATE] = CUT_OFF
-    if status == BEATEN or numbers[BOUND] >= worthwhile(numbers, settings[0]):
-        numbers[FLOOR] = min(numbers[FLOOR], numbers[BOUND])
+    if is_beaten(state, settings):
         return True
     if status != SOLVED:
         return False
@@ -205,8 +229,27 @@ def digest(data, tree, verdict, state, settings):
     state[4][:] = w
     every = settings[5]
     if every and counters[DEPTH] % every == 0:
+        before = counters[PENDING]
         look_around(data, box, w, state, settings)
+        if is_beaten(state, settings):
+            counters[PENDING] = before
+            return True
+    if counters[DEPTH] == 0 and numbers[HINTED] > 0.0:
+        inside = box[0].copy(), box[1].copy()
+        if follow(data[0], data[2], inside, tree[8][slot], data[4], True, settings[2]):
+            note_word(inside[0][data[5]], state)
     split(data, tree, box, w, active, state, settings)
+    return True
+
+
+@leaf
+def is_beaten(state, settings):
+    """Whether the node at hand cannot be better than the incumbent by more than the gap; it is closed then."""
+    numbers = state[1]
+    if numbers[BOUND] < worthwhile(numbers, settings[0]):
+        return False
+    numbers[FLOOR] = min(numbers[FLOOR], numbers[BOUND])
+    state[2][FATE] = CUT_OFF
     return True
 
 
@@ -265,11 +308,25 @@ def offer(data, box, w, state, settings):
 
 @compiled
 def look_around(data, box, w, state, settings):
-    """Guess words from a relaxed point: by its binaries, and by its drivers, which is tried first."""
+    """Guess words from a relaxed point: by its binaries, and by its drivers, which is tried first.
+
+    What follows from the drivers is a point as well, and often as good as the best one with its word.
+    """
     for drive in (False, True):
         inside = box[0].copy(), box[1].copy()
         if follow(data[0], data[2], inside, w, data[4], drive, settings[2]):
             note_word(inside[0][data[5]], state)
+            if drive:
+                offer(data, inside, within(inside, w), state, settings)
+
+
+@compiled
+def within(box, w):
+    """The point of a box that is nearest to another."""
+    point = np.empty(len(w))
+    for j in range(len(w)):
+        point[j] = min(max(w[j], box[0][j]), box[1][j])
+    return point
 
 
 @compiled
@@ -293,27 +350,9 @@ def note_word(word, state):
 def split(data, tree, box, w, active, state, settings):
     """Open the two halves of a node, the nearer one to be looked at next."""
     counters = state[2]
-    j = branching_variable(box[0], box[1], w, data[5], data[6], settings[4])
+    wanted = worthwhile(state[1], settings[0]) - state[1][BOUND]
+    j = branching_variable(box[0], box[1], w, data[5], data[6], settings[4], state[9], wanted)
     near = 1.0 if w[j] > 0.5 else 0.0
     push(tree, counters, box, state[1][BOUND], j, 1.0 - near, active, w)
     push(tree, counters, box, state[1][BOUND], j, near, active, w)
     counters[DIVE], counters[FATE] = 1, SPLIT
-
-
-@leaf
-def branching_variable(lb, ub, w, binaries, priorities, integrality):
-    """The binary of the lowest priority that is farthest from 0 and 1; integral ones only if there is no other."""
-    chosen, best, first = -1, -1.0, np.inf
-    integral = True
-    for i in range(len(binaries)):
-        j = binaries[i]
-        if lb[j] >= ub[j]:
-            continue
-        distance = min(abs(w[j]), abs(1.0 - w[j]))
-        settled = distance <= integrality
-        if settled and not integral:
-            continue
-        better = (integral and not settled) or priorities[i] < first or (priorities[i] == first and distance > best)
-        if better:
-            chosen, best, first, integral = j, distance, priorities[i], settled
-    return chosen
