@@ -15,6 +15,7 @@ from hysdel_py.control.move import Move
 from hysdel_py.control.prediction import (
     Step,
     shifted,
+    shifted_cover,
     shifted_experience,
     shifted_sides,
     shifted_variables,
@@ -133,10 +134,10 @@ class Planner:
         return {"incumbent": self._guess(x0) if warm else None, "heuristic": self._heuristic(x0)}
 
     def _kernel_hints(self, warm: bool) -> dict[str, Any]:
-        """The last plan, its active rows and what was learnt about splitting, one step later."""
-        if not warm or self._last is None or self._last.x is None:
-            return {}
+        """The last plan, its active rows, what was learnt about splitting and the ends of its tree, one step later."""
         f, last = self.formulation, self._last
+        if not warm or last is None or last.x is None:
+            return {}
         hints: dict[str, Any] = {"point": shifted_variables(f, last.x)}
         if last.active is not None:
             active = last.active.copy()
@@ -144,6 +145,8 @@ class Planner:
             hints["active"] = active[active[:, 0] >= 0]
         if last.pseudo_costs is not None:
             hints["pseudo_costs"] = shifted_experience(f, last.pseudo_costs)
+        if last.cover is not None:
+            hints["cover"] = shifted_cover(f, last.cover, last.x, self._before)
         return hints
 
     def _guess(self, x0: Matrix) -> Matrix | None:

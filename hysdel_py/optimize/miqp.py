@@ -26,7 +26,7 @@ from hysdel_py.optimize.compiled_propagation import CompiledPropagator, propagat
 from hysdel_py.optimize.compiled_search import CompiledSearch, Hints, Workspace
 from hysdel_py.optimize.dense import dense_solver
 from hysdel_py.optimize.heuristics import Guesser
-from hysdel_py.optimize.mixed_integer import Miqp, MiqpResult, MiqpSettings, MiqpStatus, SearchInfo
+from hysdel_py.optimize.mixed_integer import Cover, Miqp, MiqpResult, MiqpSettings, MiqpStatus, SearchInfo
 from hysdel_py.optimize.qp import Qp
 from hysdel_py.optimize.search import Search
 from hysdel_py.optimize.verified import VerifiedSolver
@@ -84,6 +84,7 @@ class MiqpSolver:
         point: ArrayLike | None = None,
         active: NDArray[np.int64] | None = None,
         pseudo_costs: Vector | None = None,
+        cover: Cover | None = None,
         heuristic: Heuristic | None = None,
         progress: Progress | None = None,
     ) -> MiqpResult:
@@ -108,6 +109,10 @@ class MiqpSolver:
         pseudo_costs : array of shape (n, 4), optional
             What the search of a similar problem has learnt; an earlier result has it as ``pseudo_costs``. It chooses
             where nodes are split. Only the dense kernels use it.
+        cover : Cover, optional
+            Parts of the problem that the search opens once it has looked at the root, in place of the halves of the
+            root; together they have to hold every word of binaries. An earlier result has it as ``cover``. Bounds
+            are computed anew from its points and multipliers. Only the dense kernels use it.
         heuristic : callable, optional
             ``heuristic(x, lb, ub)`` gets a relaxed point and the bounds of its node, arrays of length n, and returns
             one vector of binary values, several as rows, or None.
@@ -128,7 +133,7 @@ class MiqpSolver:
         qp = self._problem(self.miqp.qp.with_vectors(q, l=l, u=u, lb=lb, ub=ub, constant=constant))
         if self.workspace is not None:
             point = None if point is None else np.asarray(point)
-            hints = Hints(floor, self._guess(incumbent), point, active, pseudo_costs)
+            hints = Hints(floor, self._guess(incumbent), point, active, pseudo_costs, cover)
             return CompiledSearch(self, qp, start, heuristic, progress).run(hints)
         search = Search(self, qp, start)
         search.heuristic, search.known = heuristic, floor

@@ -17,7 +17,15 @@ from numpy.typing import NDArray
 
 from hysdel_py.errors import ArgumentError
 from hysdel_py.optimize.kernels.residual import violations
-from hysdel_py.optimize.mixed_integer import MiqpResult, MiqpSettings, MiqpStatus, NodeFate, NodeRecord, SearchInfo
+from hysdel_py.optimize.mixed_integer import (
+    Cover,
+    MiqpResult,
+    MiqpSettings,
+    MiqpStatus,
+    NodeFate,
+    NodeRecord,
+    SearchInfo,
+)
 from hysdel_py.optimize.propagation import Box
 from hysdel_py.optimize.qp import Qp, objective_value, violation
 from hysdel_py.optimize.verified import Start, Verdict
@@ -73,7 +81,7 @@ class Search:
         Least certified bound of the parts that are done.
     known : float
         Lower bound that the caller knows.
-    active, pseudo_costs : arrays or None
+    active, pseudo_costs, cover : arrays, Cover, or None
         What the compiled loop hands on, see :class:`MiqpResult`.
     rows : tuple of arrays, or None
         A in compressed rows, where there are kernels that work on it.
@@ -97,6 +105,7 @@ class Search:
         self.rows: Any = None
         self.active: NDArray[np.int64] | None = None
         self.pseudo_costs: Vector | None = None
+        self.cover: Cover | None = None
 
     # ---------------------------------------------------------------- steps of the main loop
 
@@ -337,7 +346,7 @@ class Search:
         seconds = perf_counter() - self.start
         return MiqpResult(
             status, self.x, objective, bound, gap, self.nodes, self._solves(), seconds, message, residual, self.active,
-            self.pseudo_costs,
+            self.pseudo_costs, self.cover,
         )  # fmt: skip
 
     def _residual(self) -> float:

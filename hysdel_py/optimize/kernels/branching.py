@@ -1,11 +1,11 @@
 """At which binary a node is split: the earliest one whose splitting pays, as far as the search has seen.
 
-A pseudo-cost is the mean growth of the certified bound for each unit by which a binary was rounded, kept for both values.
-Binaries that matter in one time step matter in the next one a stage earlier, so that a controller hands its pseudo-costs
-on. They only choose where to split; no bound depends on them.
+A pseudo-cost is the mean growth of the certified bound for each unit by which a binary was rounded, one for each of its
+values. Binaries that matter in one time step matter in the next one a stage earlier, so that a controller hands its
+pseudo-costs on. They only choose where to split; no bound depends on them.
 
-Source: T. Achterberg, T. Koch and A. Martin, "Branching rules revisited", Operations Research Letters 33, 2005,
-sections 2.2 and 2.3; the preference for early stages is ours.
+Source: T. Achterberg, T. Koch and A. Martin, "Branching rules revisited", Operations Research Letters 33, 2005; the
+preference for early stages is ours.
 """
 
 from __future__ import annotations
@@ -34,11 +34,11 @@ def learn(costs, variable, value, relaxed, growth):
         For each variable the sum of growths and their number at 0, then at 1.
     variable : int
     value, relaxed : float
-        What it was fixed at, and its value in the relaxation before.
+        What it was fixed at, and its value in the relaxation before; nothing is learnt where they are the same.
     growth : float
         Of the bound; not a number where it is not known.
     """
-    if not growth >= 0.0:
+    if not growth >= 0.0 or value == relaxed:
         return
     at = 2 if value > 0.5 else 0
     costs[variable, at] += growth / max(abs(value - relaxed), LEAST_SHARE)

@@ -1,7 +1,8 @@
 """From a relaxed point to a word of binaries: the real drivers are held at its values, and the rows decide the rest.
 
-The drivers are held all at once, and one after the other where the rows object to that. Propagation after each decision is a simulation of the system, as far as drivers settle it. A binary that stays open is
-rounded, and turned over once where the rows object.
+The drivers are held all at once, and one after the other where the rows object to that. Propagation after each decision
+is a simulation of the system, as far as drivers settle it. A binary that stays open is rounded, and turned over once
+where the rows object.
 """
 
 from __future__ import annotations

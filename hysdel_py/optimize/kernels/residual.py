@@ -2,15 +2,20 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
+from numpy.typing import NDArray
 
 from hysdel_py.optimize.compiled import leaf
 
 __all__ = ["violations"]
 
+Vector = NDArray[np.float64]
+
 
 @leaf
-def violations(rows, l, u, lb, ub, x):  # noqa: E741
+def violations(rows: Any, l: Vector, u: Vector, lb: Vector, ub: Vector, x: Vector) -> tuple[float, float]:
     """Largest violations of a point.
 
     Parameters

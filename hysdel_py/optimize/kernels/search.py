@@ -12,6 +12,7 @@ import numpy as np
 from hysdel_py.optimize.compiled import compiled, leaf
 from hysdel_py.optimize.kernels.branching import branching_variable, learn
 from hysdel_py.optimize.kernels.certificate import bound_below, excess, farkas_bound
+from hysdel_py.optimize.kernels.cover import BOUNDED, OPEN_END, RAY, inherited, keep, restrict, wished_rows
 from hysdel_py.optimize.kernels.guessing import fix_word, follow, queue_rows
 from hysdel_py.optimize.kernels.node import BEATEN, EMPTY, SOLVED, middle, solve_node, value_at
 from hysdel_py.optimize.kernels.propagation import propagate
@@ -24,18 +25,19 @@ from hysdel_py.optimize.kernels.tree import (
     NODES,
     OPEN,
     PENDING,
+    PLANTED,
     SOLVES,
     WAY,
     WORDS,
+    least_open,
     push,
     take_next,
     wished,
 )
 
 __all__ = [
-    "BOUND", "CALM", "CUT_OFF", "FLOOR", "FULL", "HELP", "INFEASIBLE", "LEAF", "NUMBERS", "OBJECTIVE", "PAUSED",
-    "SPLIT",
-    "note_word", "run", "start",
+    "BOUND", "CALM", "CUT_OFF", "FLOOR", "FULL", "HELP", "INFEASIBLE", "LEAF",
+    "NUMBERS", "OBJECTIVE", "OPEN_END", "PAUSED", "SPLIT", "keep", "note_word", "run", "start",
 ]  # fmt: skip
 
 CALM, PAUSED, FULL, HELP = 0, 1, 2, 3
@@ -70,7 +72,7 @@ def start(data, tree, state, settings, guess):
     if not open_root(data, root, settings):
         return False
     counters[DEPTH], counters[LAST] = -1, tree[7][0]
-    push(tree, counters, root, floor, -1, 0.0, active, point if len(point) else middle(root))
+    push(tree, counters, root, floor, -1, 0.0, active, point if len(point) else middle(root), state[10])
     if len(word):
         note_word(word, state)
     return True
@@ -111,10 +113,13 @@ def run(data, tree, state, settings, slice_):
         :func:`hysdel_py.optimize.kernels.certificate.bound_below`.
     tree
         See :mod:`hysdel_py.optimize.kernels.tree`.
-    state : (x, numbers, counters, box, relaxed, words, root, active, pending, costs)
+    state : (x, numbers, counters, box, relaxed, words, root, active, pending, costs, way,
+    multipliers, cover, carried)
         Incumbent; numbers and counters; box and relaxed point of the node at hand; words that were guessed, as
         numbers; propagated bounds of the whole problem, and active inequalities there; words to be tried; pseudo-costs,
-        see :mod:`hysdel_py.optimize.kernels.branching`.
+        see :mod:`hysdel_py.optimize.kernels.branching`; decisions on the way to the node at hand, and multipliers of
+        its relaxation; the ends of this tree, and those of an earlier one that take the place of the halves of the
+        root, see :mod:`hysdel_py.optimize.kernels.cover`.
     settings : (gaps, solver, propagation, feasibility, integrality, rounding)
         `gaps` is (absolute, relative).
     slice_ : int
@@ -127,6 +132,9 @@ def run(data, tree, state, settings, slice_):
         if guessed:
             slot = counters[LAST]  # its relaxation is a good start
             ready = take_word(data, state, settings)
+        elif counters[PLANTED] == 0 and counters[NODES] > 0 and len(state[13][1]) > 0:
+            plant(data, tree, state, settings)
+            continue
         elif counters[NODES] >= stop:
             return PAUSED
         elif counters[OPEN] + 2 > len(tree[7]):
@@ -148,6 +156,31 @@ def run(data, tree, state, settings, slice_):
 
 
 @compiled
+def plant(data, tree, state, settings):
+    """Open the ends of an earlier tree in place of the halves of the root, unless they can be closed again."""
+    problem, known = data[0], data[7]
+    numbers, counters, root, cover = state[1], state[2], state[6], state[12]
+    ways, lengths, points, multipliers, kinds = state[13]
+    least = least_open(tree[2], tree[7], counters)
+    counters[PLANTED], counters[OPEN], counters[DIVE] = 1, 0, 0
+    for i in range(len(lengths)):
+        box = root[0].copy(), root[1].copy()
+        if not restrict(problem, data[2], box, ways[i], lengths[i], settings[2]):
+            keep(cover, ways[i], lengths[i], points[i], multipliers[i], OPEN_END)
+            continue
+        near = within(box, points[i])
+        bound = max(least, inherited(problem, box, near, multipliers[i], kinds[i], known))
+        if bound >= worthwhile(numbers, settings[0]):
+            numbers[FLOOR] = min(numbers[FLOOR], bound)
+            keep(cover, ways[i], lengths[i], near, multipliers[i], kinds[i])
+            continue
+        active = wished_rows(multipliers[i], state[7][: counters[ACTIVE]], len(problem[3]))
+        counters[DEPTH] = lengths[i] - 1
+        code = ways[i, lengths[i] - 1]
+        push(tree, counters, box, bound, code // 2, float(code % 2), active, near, ways[i])
+
+
+@compiled
 def take_word(data, state, settings):
     """Fix the next word to be tried, within the bounds of the whole problem; False if the rows object."""
     counters, box = state[2], state[3]
@@ -163,14 +196,17 @@ def enter(data, tree, slot, state, settings):
     numbers, counters, box = state[1], state[2], state[3]
     counters[DIVE], counters[LAST] = 0, slot
     state[4][0] = np.nan
+    depth = tree[4][slot]
     if tree[2][slot] >= worthwhile(numbers, settings[0]):
         numbers[FLOOR] = min(numbers[FLOOR], tree[2][slot])
+        keep(state[12], tree[9][slot], depth, tree[8][slot], state[11], OPEN_END)
         return False
+    state[10][:depth] = tree[9][slot, :depth]
     counters[NODES] += 1
     counters[FATE] = INFEASIBLE
     counters[WAY : WAY + 3] = tree[3][slot]
     box[0][:], box[1][:] = tree[0][slot], tree[1][slot]
-    counters[DEPTH], numbers[BOUND] = tree[4][slot], tree[2][slot]
+    counters[DEPTH], numbers[BOUND] = depth, tree[2][slot]
     j = tree[3][slot, 0]
     if j < 0:
         return True
@@ -180,6 +216,7 @@ def enter(data, tree, slot, state, settings):
     sides = problem[3], problem[4]
     if propagate(problem[2], columns, problem[5], box, sides, queued, settings[2])[0] >= 0:
         learn(state[9], j, tree[3][slot, 1], tree[8][slot, j], growth(numbers, np.inf, settings[0]))
+        keep(state[12], state[10], depth, tree[8][slot], state[11], OPEN_END)
         return False
     return True
 
@@ -217,9 +254,11 @@ def digest(data, tree, verdict, state, settings):
         gained = growth(numbers, np.inf if status == EMPTY else bound, settings[0])
         learn(state[9], variable, tree[3][slot, 1], tree[8][slot, variable], gained)
     if status == EMPTY:
+        keep(state[12], state[10], counters[DEPTH], w, state[11], RAY)
         return True
     numbers[BOUND] = max(numbers[BOUND], bound)
     if is_beaten(state, settings):
+        keep(state[12], state[10], counters[DEPTH], w, state[11], BOUNDED)
         return True
     if status != SOLVED:
         return False
@@ -233,6 +272,7 @@ def digest(data, tree, verdict, state, settings):
         look_around(data, box, w, state, settings)
         if is_beaten(state, settings):
             counters[PENDING] = before
+            keep(state[12], state[10], counters[DEPTH], w, state[11], BOUNDED)
             return True
     if counters[DEPTH] == 0 and numbers[HINTED] > 0.0:
         inside = box[0].copy(), box[1].copy()
@@ -270,6 +310,7 @@ def judge(data, box, guess, state, settings):
     cutoff = (worthwhile(numbers, settings[0]), known[0], known[1], known[2])
     counters[SOLVES] += 1
     status, _, w, y, active = solve_node(problem, groups, box, wide, guess, cutoff, settings[1])
+    state[11][:] = y
     if status == EMPTY:
         certain = farkas_bound(problem, box, y, known[2]) > 0.0
         return (EMPTY if certain else -1), w, -np.inf, active
@@ -288,6 +329,7 @@ def settle(data, box, w, bound, state, settings):
     if not offer(data, box, w, state, settings):
         return False
     numbers[FLOOR] = min(numbers[FLOOR], max(bound, numbers[BOUND]))
+    keep(state[12], state[10], state[2][DEPTH], w, state[11], BOUNDED)
     return True
 
 
@@ -353,6 +395,6 @@ def split(data, tree, box, w, active, state, settings):
     wanted = worthwhile(state[1], settings[0]) - state[1][BOUND]
     j = branching_variable(box[0], box[1], w, data[5], data[6], settings[4], state[9], wanted)
     near = 1.0 if w[j] > 0.5 else 0.0
-    push(tree, counters, box, state[1][BOUND], j, 1.0 - near, active, w)
-    push(tree, counters, box, state[1][BOUND], j, near, active, w)
+    push(tree, counters, box, state[1][BOUND], j, 1.0 - near, active, w, state[10])
+    push(tree, counters, box, state[1][BOUND], j, near, active, w, state[10])
     counters[DIVE], counters[FATE] = 1, SPLIT
