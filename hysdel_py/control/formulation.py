@@ -132,7 +132,11 @@ class Formulation:
         last_input : array of shape (nu,), optional
             Zeros by default; it counts only where `uses_last_input` says so.
         """
-        p = np.concatenate([x0, np.zeros(self.layout.mld.nu) if last_input is None else last_input])
+        nx = len(x0)
+        p = np.zeros(self.layout.parameters)
+        p[:nx] = x0
+        if last_input is not None:
+            p[nx:] = last_input
         signals = self.objective.signals
         targets = self.prepared.targets(references, len(signals.c))
         offset = signals.X @ p + signals.c - targets

@@ -93,7 +93,7 @@ def judged(
     if not residual <= tolerances.residual:
         message = f"numerical trouble: the plan violates the model by {residual:.2g}; {_TROUBLE}"
         return Move(MoveStatus.NUMERICAL, message, bound=result.bound, nodes=result.nodes, qps=result.qps), None
-    v = np.clip(v, formulation.lb, formulation.ub)
+    v = np.minimum(np.maximum(v, formulation.lb), formulation.ub)
     layout, shape = formulation.layout, formulation.shape
     plan = Deferred(lambda: layout.split(v, x0))
     predicted = Deferred(lambda: as_trajectory(layout.mld, plan.value(), sample_time, shape.exact))

@@ -49,7 +49,7 @@ class References:
         ArgumentError
             Unknown or missing name, wrong length, not a finite number.
         """
-        given = ref if isinstance(ref, Mapping) else self._by_order(ref)
+        given = ref if isinstance(ref, (dict, Mapping)) else self._by_order(ref)
         unknown = [str(name) for name in given if name not in self.names]
         if unknown:
             raise ArgumentError(f"reference {', '.join(unknown)} is not known: {self._expected()}")

@@ -203,9 +203,14 @@ class CompiledSearch:
             before = self.search.nodes
             self._advance()
             stop = self.search.reason_to_stop(self.progress if self.search.nodes > before else None)
-        self.search.active, self.search.pseudo_costs = self._root_active(), self.space.state[9].copy()
+        self.search.active, self.search.pseudo_costs = self._root_active(), self._learnt(hints)
         self.search.cover = self.space.noted()
         return self.search.finished() if stop is None else self.search.stopped(stop)
+
+    def _learnt(self, hints: Hints) -> Vector | None:
+        """The pseudo-costs, None as long as no node has been split."""
+        learnt: Vector = self.space.state[9]
+        return learnt.copy() if hints.pseudo_costs is not None or self.search.nodes > 1 else None
 
     def rehearse(self) -> None:
         """Load or compile the loop and what comes after it, so that the first search does not have to wait for them."""

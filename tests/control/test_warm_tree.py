@@ -10,6 +10,7 @@ from pwa_enumeration import optimum, random_problem
 import hysdel_py as hys
 from hysdel_py.control.move import MoveStatus
 from hysdel_py.control.prediction import shifted_cover
+from hysdel_py.optimize.kernels.cover import inherited
 
 STEPS = 5
 CLOSE = 1e-5
@@ -135,6 +136,40 @@ def test_each_word_is_in_exactly_one_end(leaves, nodes):
             assert set(words(later, f.binaries)) == {1}
             codes = [code for way, n in zip(later.ways, later.lengths, strict=True) for code in way[:n]]
             assert max(codes, default=0) // 2 < (f.layout.horizon - 1) * f.layout.stage_size
+
+
+def least(solver, vectors, end):
+    """Optimum of a part by a cold search, and its propagated bounds."""
+    lb, ub = vectors.lb.copy(), vectors.ub.copy()
+    for code in end:
+        lb[code // 2] = ub[code // 2] = code % 2
+    box = solver.propagator.propagate(lb, ub, vectors.l, vectors.u)
+    return solver.solve(**vectors.as_keywords() | {"lb": lb, "ub": ub}).objective, (box.lb, box.ub)
+
+
+def promises(controller, cover, x, p):
+    """What the multipliers of each end promise for a problem, and the optimum of that part."""
+    f, solver = controller.formulation, controller._planner.solver
+    vectors = f.vectors(np.array(x), {"p": np.full(f.layout.horizon + 1, p)})
+    qp = solver.miqp.qp.with_vectors(**vectors.as_keywords())
+    problem, *_, known = solver.workspace.data(qp, None)
+    for way, length, *closed_with in zip(*cover.arrays(), strict=True):
+        there, box = least(solver, vectors, way[:length].tolist())
+        yield inherited(problem, box, *closed_with, known), there
+
+
+@pytest.mark.parametrize("before", STATES[:3])
+def test_what_closed_an_end_never_promises_more_than_its_part_holds(before):
+    controller = switched()
+    move = controller.solve(before, warm=False)
+    last, layout = controller._planner._last, controller.formulation.layout
+    own = list(promises(controller, last.cover, before, 0.0))
+    assert max(promised for promised, there in own if same(there, move.cost)) == pytest.approx(move.cost, rel=1e-5)
+    later = shifted_cover(controller.formulation, last.cover, last.x, controller._planner._before)
+    after = layout.split(last.x, np.array(before)).x[1]
+    for x, p in [(after, 0.0), (after, 0.7), (-after, -0.2)]:
+        own += [] if later is None else promises(controller, later, x, p)
+    assert all(promised <= there + CLOSE * max(1.0, abs(there)) for promised, there in own)
 
 
 def test_an_infeasible_step_does_not_spoil_the_next(controllers):

@@ -268,10 +268,8 @@ def digest(data, tree, verdict, state, settings):
     state[4][:] = w
     every = settings[5]
     if every and counters[DEPTH] % every == 0:
-        before = counters[PENDING]
         look_around(data, box, w, state, settings)
         if is_beaten(state, settings):
-            counters[PENDING] = before
             keep(state[12], state[10], counters[DEPTH], w, state[11], BOUNDED)
             return True
     if counters[DEPTH] == 0 and numbers[HINTED] > 0.0:
@@ -350,16 +348,21 @@ def offer(data, box, w, state, settings):
 
 @compiled
 def look_around(data, box, w, state, settings):
-    """Guess words from a relaxed point: by its binaries, and by its drivers, which is tried first.
+    """Guess words from a relaxed point: by its drivers, which is tried first, and by its binaries.
 
-    What follows from the drivers is a point as well, and often as good as the best one with its word.
+    What follows from the drivers is a point as well. Often it is as good as the best one with its word, and nothing
+    else has to be tried; that is what is looked at first.
     """
-    for drive in (False, True):
-        inside = box[0].copy(), box[1].copy()
-        if follow(data[0], data[2], inside, w, data[4], drive, settings[2]):
-            note_word(inside[0][data[5]], state)
-            if drive:
-                offer(data, inside, within(inside, w), state, settings)
+    inside, other = (box[0].copy(), box[1].copy()), (box[0].copy(), box[1].copy())
+    driven = follow(data[0], data[2], inside, w, data[4], True, settings[2])
+    if driven:
+        offer(data, inside, within(inside, w), state, settings)
+        if state[1][BOUND] >= worthwhile(state[1], settings[0]):
+            return
+    if follow(data[0], data[2], other, w, data[4], False, settings[2]):
+        note_word(other[0][data[5]], state)
+    if driven:
+        note_word(inside[0][data[5]], state)
 
 
 @compiled
