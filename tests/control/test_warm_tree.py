@@ -158,7 +158,7 @@ def promises(controller, cover, x, p):
         yield inherited(problem, box, *closed_with, known), there
 
 
-@pytest.mark.parametrize("before", STATES[:3])
+@pytest.mark.parametrize("before", [STATES[0], STATES[2]])
 def test_what_closed_an_end_never_promises_more_than_its_part_holds(before):
     controller = switched()
     move = controller.solve(before, warm=False)
