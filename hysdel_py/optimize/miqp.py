@@ -127,12 +127,13 @@ class MiqpSolver:
         Raises
         ------
         ArgumentError
-            A vector of the wrong shape, also one that the heuristic gave.
+            A vector of the wrong shape, also one that the heuristic gave; pseudo-costs or a cover of another program.
         """
         start = perf_counter()
         qp = self._problem(self.miqp.qp.with_vectors(q, l=l, u=u, lb=lb, ub=ub, constant=constant))
         if self.workspace is not None:
             point = None if point is None else np.asarray(point)
+            self._check_experience(pseudo_costs, cover)
             hints = Hints(floor, self._guess(incumbent), point, active, pseudo_costs, cover)
             return CompiledSearch(self, qp, start, heuristic, progress).run(hints)
         search = Search(self, qp, start)
@@ -156,6 +157,18 @@ class MiqpSolver:
         lb, ub = qp.lb.copy(), qp.ub.copy()
         lb[at], ub[at] = np.maximum(lb[at], 0.0), np.minimum(ub[at], 1.0)
         return qp.with_vectors(lb=lb, ub=ub)
+
+    def _check_experience(self, pseudo_costs: Vector | None, cover: Cover | None) -> None:
+        """Refuse what an earlier search of a program of another size has handed on."""
+        n, m, count = self.miqp.qp.n, self.miqp.qp.m, len(self.miqp.binaries)
+        if pseudo_costs is not None and pseudo_costs.shape != (n, 4):
+            raise ArgumentError(f"pseudo_costs has shape {pseudo_costs.shape}: ({n}, 4) was expected")
+        if cover is None:
+            return
+        ends = len(cover.lengths)
+        expected = (ends, count), (ends,), (ends, n), (ends, m), (ends,)
+        if tuple(array.shape for array in cover.arrays()) != expected:
+            raise ArgumentError(f"cover is not one of a program with {n} variables, {m} rows and {count} binaries")
 
     def _guess(self, incumbent: ArrayLike | None) -> Vector | None:
         if incumbent is None:

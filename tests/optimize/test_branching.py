@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 
+from hysdel_py.errors import ArgumentError
 from hysdel_py.optimize.kernels.branching import branching_variable, learn
 from hysdel_py.optimize.kernels.residual import violations
 from hysdel_py.optimize.miqp import MiqpSettings, MiqpSolver, MiqpStatus
@@ -77,6 +78,24 @@ def test_a_search_hands_its_pseudo_costs_on(two_mode_problem):
     assert again.objective == pytest.approx(first.objective, rel=1e-6)
     assert again.pseudo_costs[:, [1, 3]].sum() > first.pseudo_costs[:, [1, 3]].sum()
     assert solver.solve().nodes == first.nodes  # nothing is remembered that was not handed on
+
+
+def test_what_a_search_of_another_program_handed_on_is_refused(two_mode_problem):
+    settings = MiqpSettings(backend="dense", rounding=0, leaves=8)
+    short, long = (MiqpSolver(two_mode_problem(horizon=h), settings) for h in (4, 6))
+    found = long.solve()
+    with pytest.raises(ArgumentError, match="pseudo_costs has shape"):
+        short.solve(pseudo_costs=found.pseudo_costs)
+    with pytest.raises(ArgumentError, match="cover is not one of a program with"):
+        short.solve(cover=found.cover)
+    again = long.solve(cover=found.cover, pseudo_costs=found.pseudo_costs)
+    assert again.objective == pytest.approx(found.objective, rel=1e-6)
+    assert again.nodes < found.nodes
+
+
+def test_one_end_is_no_division():
+    with pytest.raises(ArgumentError, match="leaves is 1"):
+        MiqpSettings(leaves=1)
 
 
 @pytest.mark.parametrize("seed", range(20))
