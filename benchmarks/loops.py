@@ -5,10 +5,12 @@
     python benchmarks/loops.py --json loops.json --plot docs/pictures/loops.png
 
 At each step all solvers get the same mixed-integer program, one after the other, on one thread, with the same gap. The
-input of our warm engine moves the plant. Peers are timed without the building of their models, ours with everything
-that a call does. A solver that is not installed, or whose edition is too small for a program, is named. `--budget` is
-parted evenly among the loops, and what one leaves over goes to the next; a loop that has used its share ends there,
-after one step at the earliest, and a solver that has used a quarter of it is not asked about the remaining steps.
+input of our warm engine moves the plant. Times are processor times, so that other work on the machine counts little;
+peers are timed without the building of their models, ours with everything that a call does. The engine with a limit of
+time reads the clock for it. A solver that is not installed, or whose edition is too small for a program, is named.
+`--budget` is parted evenly among the loops, and what one leaves over goes to the next; a loop that has used its share
+ends there, after one step at the earliest, and a solver that has used a quarter of it is not asked about the remaining
+steps.
 The exit status is 1 if two solvers proved optima that differ by more than the gap.
 """
 
@@ -98,6 +100,7 @@ def _solvers(
         DRIVER: driver,
         "cold": case.controller(horizon, time_limit=options.seconds, **search),
         "limited": case.controller(horizon, node_limit=options.node_limit, time_limit=options.seconds, **search),
+        "timed": case.controller(horizon, time_limit=1e-3 * options.time_limit, **search),
     }
     for name, solve in peers.available().items():
         if name not in options.solvers:
@@ -124,9 +127,10 @@ def _step(solvers: dict[str, Any], loop: Loop, x: Vector, ref: Any) -> Vector | 
     u: Vector | None = None
     for name, solver in list(solvers.items()):
         if isinstance(solver, hys.HybridMpc):
+            begin = time.process_time()
             move = solver.solve(x, ref, warm=name != "cold")
+            answer = _answer(move, time.process_time() - begin)
             u = move.u if name == DRIVER else u
-            answer = _answer(move)
         else:
             try:
                 answer = solver(x, ref)
@@ -138,9 +142,9 @@ def _step(solvers: dict[str, Any], loop: Loop, x: Vector, ref: Any) -> Vector | 
     return u
 
 
-def _answer(move: hys.Move) -> Answer:
+def _answer(move: hys.Move, seconds: float) -> Answer:
     infeasible = move.status is hys.MoveStatus.INFEASIBLE
-    return Answer(move.cost, move.status is hys.MoveStatus.OPTIMAL, infeasible, move.nodes, move.seconds)
+    return Answer(move.cost, move.status is hys.MoveStatus.OPTIMAL, infeasible, move.nodes, seconds)
 
 
 # ---- figures --------------------------------------------------------------------------------------------------------
@@ -230,6 +234,7 @@ def summary(loops: list[Loop]) -> Iterator[str]:
 # ---- picture --------------------------------------------------------------------------------------------------------
 
 STYLES = {"warm": ("#0072B2", "o-"), "cold": ("#0072B2", "o--"), "limited": ("#56B4E9", "o:"),
+          "timed": ("#56B4E9", "o-."),
           "gurobi": ("#D55E00", "s-"), "cplex": ("#009E73", "^-"), "scip": ("#CC79A7", "v-")}  # fmt: skip
 
 
@@ -291,6 +296,7 @@ def arguments() -> argparse.Namespace:
     parser.add_argument("--horizons", type=int, nargs="+", default=[5, 10, 15], metavar="N")
     parser.add_argument("--steps", type=int, default=1000, help="at most (default: those of each case)")
     parser.add_argument("--node-limit", type=int, default=30, help="work limit of the column 'limited' (default 30)")
+    parser.add_argument("--time-limit", type=float, default=8.0, help="milliseconds of the column 'timed' (default 8)")
     parser.add_argument("--seconds", type=float, default=2.0, help="time limit of every other solve (default 2)")
     parser.add_argument("--solvers", nargs="*", default=["gurobi", "cplex", "scip"], help="peers that are asked")
     parser.add_argument("--budget", type=float, default=600.0, help="seconds for all loops together (default 600)")

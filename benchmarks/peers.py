@@ -1,8 +1,8 @@
 """Other solvers on our mixed-integer quadratic programs: the same matrices, one thread, the same gap.
 
-Times are those of the search alone; building a peer's model is not counted. The constant of the cost is part of each
-objective, so that a relative gap means the same everywhere. Feasibility tolerances are as tight as each solver allows:
-a threshold of a hybrid model has a gap of 1e-6, and with a tolerance of the same size both of its sides pass.
+Times are processor times of the search alone; building a peer's model is not counted. The constant of the cost is part
+of each objective, so that a relative gap means the same everywhere. Feasibility tolerances are as tight as each solver
+allows: a threshold of a hybrid model has a gap of 1e-6, and with a tolerance of the same size both of its sides pass.
 """
 
 from __future__ import annotations
@@ -56,7 +56,7 @@ def solve_scip(miqp: Miqp, gap: float, seconds: float) -> Answer:
     """SCIP; its relative gap alone ends the search."""
     found = scip.solve(miqp, gap_rel=gap, time_limit=seconds, feasibility=SCIP_FEASIBILITY)
     proven = found.status in ("optimal", "gaplimit")
-    return Answer(found.cost, proven, found.status == "infeasible", found.nodes, found.seconds)
+    return Answer(found.cost, proven, found.status == "infeasible", found.nodes, found.processor)
 
 
 def gurobi(miqp: Miqp, gap: float, seconds: float) -> Answer:
@@ -78,14 +78,14 @@ def gurobi(miqp: Miqp, gap: float, seconds: float) -> Answer:
         model.addConstr(A[above] @ v <= qp.u[above])
         model.addConstr(A[below] @ v >= qp.l[below])
         model.setObjective(0.5 * (v @ qp.P @ v) + qp.q @ v + qp.constant)
-        start = time.perf_counter()
+        start = time.process_time()
         try:
             model.optimize()
         except grb.GurobiError as error:
             if error.errno == GUROBI_TOO_LARGE:
                 raise TooLarge from None
             raise
-        took = time.perf_counter() - start
+        took = time.process_time() - start
         cost = model.ObjVal if model.SolCount else np.inf
         infeasible = model.Status in (grb.GRB.INFEASIBLE, grb.GRB.INF_OR_UNBD)
         return Answer(cost, model.Status == grb.GRB.OPTIMAL, infeasible, int(model.NodeCount), took)
@@ -99,14 +99,14 @@ def cplex(miqp: Miqp, gap: float, seconds: float) -> Answer:
         _quiet(model)
         _cplex_settings(model, gap, seconds)
         _cplex_problem(model, cpx, miqp)
-        start = time.perf_counter()
+        start = time.process_time()
         try:
             model.solve()
         except cpx.exceptions.CplexSolverError as error:
             if error.args[2] == CPLEX_TOO_LARGE:
                 raise TooLarge from None
             raise
-        took = time.perf_counter() - start
+        took = time.process_time() - start
         status = model.solution.get_status_string()
         cost = model.solution.get_objective_value() if model.solution.is_primal_feasible() else np.inf
         nodes = model.solution.progress.get_num_nodes_processed()

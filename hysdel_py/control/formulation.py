@@ -132,7 +132,11 @@ class Formulation:
         last_input : array of shape (nu,), optional
             Zeros by default; it counts only where `uses_last_input` says so.
         """
-        p = np.concatenate([x0, np.zeros(self.layout.mld.nu) if last_input is None else last_input])
+        nx = len(x0)
+        p = np.zeros(self.layout.parameters)
+        p[:nx] = x0
+        if last_input is not None:
+            p[nx:] = last_input
         signals = self.objective.signals
         targets = self.prepared.targets(references, len(signals.c))
         offset = signals.X @ p + signals.c - targets
@@ -140,17 +144,20 @@ class Formulation:
         if self.norm.is_linear:
             moved[len(moved) - self.epigraph.references.shape[0] :] += self.epigraph.references @ targets
         q = self.objective.linear + self.prepared.gain @ offset
-        constant = float(offset @ (self.objective.Q @ offset))
+        constant = float(offset @ (self.prepared.weights @ offset))
         return Vectors(q, self.low - moved, self.high - moved, self.lb, self._upper(targets), constant)
 
     def _upper(self, targets: Matrix) -> Matrix:
+        if not self.norm.is_linear:
+            return self.ub
         ub = self.ub.copy()
-        if self.norm.is_linear:
-            ub[self.layout.term(0) :] = self.epigraph.largest(targets)
+        ub[self.layout.term(0) :] = self.epigraph.largest(targets)
         return ub
 
     def failed_conditions(self, x0: Matrix, tolerance: float) -> tuple[Row, ...]:
         """Return the requirements that the measured state breaks whatever the input is."""
+        if not self.condition_rows:
+            return ()
         terms = self.conditions.X[:, : len(x0)] * x0
         size = np.maximum(1.0, np.abs(terms).max(axis=1, initial=0.0))
         excess = terms.sum(axis=1) + self.conditions.c
@@ -158,11 +165,9 @@ class Formulation:
 
     def residual(self, v: Matrix, vectors: Vectors) -> float:
         """Largest violation of a row or bound, relative to the size of the row's terms and at least absolute."""
-        value = self.prepared.rows @ v
-        size = np.maximum(1.0, self.prepared.magnitudes @ np.abs(v))
-        rows = np.maximum(vectors.l - value, value - vectors.u) / size
-        bounds = np.maximum(self.lb - v, v - vectors.ub) / np.maximum(1.0, np.abs(v))
-        return float(max(rows.max(initial=0.0), bounds.max(initial=0.0)))
+        from hysdel_py.optimize.kernels.residual import violations
+
+        return float(violations(self.prepared.rows, vectors.l, vectors.u, self.lb, vectors.ub, v)[1])
 
 
 def formulate(

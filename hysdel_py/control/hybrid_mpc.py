@@ -88,6 +88,9 @@ class HybridMpc:
         What gives the input when there is no plan: the same controller with all limits of states and outputs
         softened, the next input of the last plan (with one call of :meth:`solve` per step), or
         ``fallback(x, move) -> u``. The move then has the status ``FALLBACK`` and says why.
+    leaves : int
+        Ends of the last search tree, one step later, from which the tree of a warm answer begins, at most; 0 begins
+        with the whole problem. Only the dense kernels do this.
 
     Attributes
     ----------
@@ -124,6 +127,7 @@ class HybridMpc:
         control_horizon: int | None = None,
         binary_horizon: int | None = None,
         fallback: Fallback = None,
+        leaves: int = 64,
     ) -> None:
         self.model = model
         limits = construction.checked(Limits() if limits is None else limits, Limits, "limits")
@@ -137,7 +141,7 @@ class HybridMpc:
         self.formulation: Formulation = formulate(self.mld, self.horizon, weights, bands, shape)
         self.tolerances = tolerances
         self.sample_time: float = getattr(model, "sample_time", 1.0)
-        limits_of_search = {"time_limit": time_limit, "node_limit": node_limit}
+        limits_of_search = {"time_limit": time_limit, "node_limit": node_limit, "leaves": leaves}
         settings = construction.search_settings(backend, limits_of_search, gap_rel, gap_abs, tolerances.feasibility)
         step, callback = choose_step(model, self.mld), construction.checked_callable(progress, "progress")
 

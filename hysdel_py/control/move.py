@@ -72,16 +72,19 @@ class Case:
 
 
 class Deferred:
-    """A field of a move that is worked out when somebody asks for it."""
+    """Something that is worked out when somebody asks for it, and once only: a field of a move, or a plan."""
 
-    __slots__ = ("_make",)
+    __slots__ = ("_make", "_value")
 
     def __init__(self, make: Callable[[], Any]) -> None:
-        self._make = make
+        self._make: Callable[[], Any] | None = make
+        self._value: Any = None
 
     def value(self) -> Any:
         """Work it out."""
-        return self._make()
+        if self._make is not None:
+            self._value, self._make = self._make(), None
+        return self._value
 
 
 @dataclass(frozen=True, slots=True, eq=False, repr=False)

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from functools import cache, partial
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -16,7 +15,7 @@ from hysdel_py.control.move import Case, Deferred, Move, MoveStatus
 from hysdel_py.control.prediction import as_trajectory
 from hysdel_py.control.ranges import onto_range
 from hysdel_py.control.settings import ControlTolerances
-from hysdel_py.systems.signals import range_violations
+from hysdel_py.systems.signals import Variable, range_violations
 from hysdel_py.systems.trajectory import Trajectory
 
 if TYPE_CHECKING:
@@ -41,11 +40,14 @@ def admissible_state(
     """
     variables = formulation.layout.mld.x
     x0, outside = onto_range(measured, variables, tolerances.measured)
-    reasons = range_violations(
-        measured[outside], [v for v, out in zip(variables, outside, strict=True) if out], "measured state", 0.0
-    )
+    reasons = _left_ranges(measured, variables, outside) if outside.any() else ()
     broken = () if reasons else formulation.failed_conditions(x0, tolerances.measured)
     return x0, (*reasons, *(f"the measured state breaks a requirement of the model: {row}" for row in broken))
+
+
+def _left_ranges(measured: Matrix, variables: tuple[Variable, ...], outside: NDArray[np.bool_]) -> tuple[str, ...]:
+    left = [v for v, out in zip(variables, outside, strict=True) if out]
+    return range_violations(measured[outside], left, "measured state", 0.0)
 
 
 def refused(reasons: tuple[str, ...], seconds: float) -> Move:
@@ -65,18 +67,18 @@ def judged(
     sample_time: float = 1.0,
     remark: Callable[[Plan], str] | None = None,
     missed: Callable[[], list[str]] = list,
-) -> tuple[Move, Plan | None]:
+) -> tuple[Move, Callable[[], Plan] | None]:
     """Check the answer of the branch and bound and put it into words.
 
-    The trajectory and the words are worked out when they are asked for; `remark` adds to the words, `missed`
+    Plan, trajectory and words are worked out when they are asked for; `remark` adds to the words, `missed`
     names the limits that the measured state breaks whatever the inputs are.
 
     Returns
     -------
     move : Move
         Without its time.
-    plan : Plan or None
-        What was planned, None where there is no plan that passed the check.
+    plan : callable or None
+        Gives what was planned, None where there is no plan that passed the check.
     """
     if result.x is None:
         status = _status_without_plan(result.status.name)
@@ -91,36 +93,36 @@ def judged(
     if not residual <= tolerances.residual:
         message = f"numerical trouble: the plan violates the model by {residual:.2g}; {_TROUBLE}"
         return Move(MoveStatus.NUMERICAL, message, bound=result.bound, nodes=result.nodes, qps=result.qps), None
-    v = np.clip(v, formulation.lb, formulation.ub)
-    plan = formulation.layout.split(v, x0)
-    shape = formulation.shape
-    predicted = cache(partial(as_trajectory, formulation.layout.mld, plan, sample_time, shape.exact))
+    v = np.minimum(np.maximum(v, formulation.lb), formulation.ub)
+    layout, shape = formulation.layout, formulation.shape
+    plan = Deferred(lambda: layout.split(v, x0))
+    predicted = Deferred(lambda: as_trajectory(layout.mld, plan.value(), sample_time, shape.exact))
     status = MoveStatus.OPTIMAL if result.status.name == "OPTIMAL" else MoveStatus.FEASIBLE
     move = Move(
         status,
         Deferred(  # type: ignore[arg-type]
             lambda: (
-                "; ".join([_worth(status, result), *_remarks(formulation, predicted(), status)])
-                + ("" if remark is None else remark(plan))
+                "; ".join([_worth(status, result), *_remarks(formulation, predicted.value(), status)])
+                + ("" if remark is None else remark(plan.value()))
             )
         ),
-        u=_first_input(formulation, plan),
+        u=_first_input(formulation, v),
         cost=float(result.objective),
         bound=float(result.bound),
         gap=float(result.gap),
-        predicted=Deferred(predicted),  # type: ignore[arg-type]
-        slack=dict(zip(formulation.limits.slacks, plan.slack.tolist(), strict=True)),
+        predicted=predicted,  # type: ignore[arg-type]
+        slack=dict(zip(layout.slacks, v[layout.slack(0) : layout.term(0)].tolist(), strict=True)),
         nodes=result.nodes,
         qps=result.qps,
         approximate_from=None if shape.is_exact else shape.exact,
         case=Case(vectors, v, formulation),
     )
-    return move, plan
+    return move, plan.value
 
 
-def _first_input(formulation: Formulation, plan: Plan) -> Matrix:
+def _first_input(formulation: Formulation, v: Matrix) -> Matrix:
     """The input of stage 0, Boolean entries exactly 0 or 1."""
-    u: Matrix = plan.u[0].copy()
+    u: Matrix = v[: formulation.layout.mld.nu].copy()
     if formulation.shape.exact:
         for i, variable in enumerate(formulation.layout.mld.u):
             if variable.is_bool:

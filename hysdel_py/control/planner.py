@@ -12,7 +12,15 @@ from hysdel_py.control import construction, outcome
 from hysdel_py.control.formulation import Formulation, Vectors
 from hysdel_py.control.layout import Plan
 from hysdel_py.control.move import Move
-from hysdel_py.control.prediction import Step, shifted, shifted_sides, shifted_variables, simulated_binaries
+from hysdel_py.control.prediction import (
+    Step,
+    shifted,
+    shifted_cover,
+    shifted_experience,
+    shifted_sides,
+    shifted_variables,
+    simulated_binaries,
+)
 from hysdel_py.control.settings import ControlTolerances
 from hysdel_py.control.settled import missed_limits
 
@@ -54,7 +62,7 @@ class Planner:
         self.formulation, self.tolerances = formulation, tolerances
         self.solver = construction.make_solver(formulation, settings)
         self._step, self._progress = step, progress
-        self._plan: Plan | None = None
+        self._plan: Callable[[], Plan] | None = None
         self._last: MiqpResult | None = None
         self._has_kernel = getattr(self.solver, "workspace", None) is not None
         self._before = shifted_sides(formulation)
@@ -126,20 +134,26 @@ class Planner:
         return {"incumbent": self._guess(x0) if warm else None, "heuristic": self._heuristic(x0)}
 
     def _kernel_hints(self, warm: bool) -> dict[str, Any]:
-        """The last plan and its active rows one step later; the kernels simulate by propagation."""
-        if not warm or self._last is None or self._last.x is None:
+        """The last plan, its active rows, what was learnt about splitting and the ends of its tree, one step later."""
+        f, last = self.formulation, self._last
+        if not warm or last is None or last.x is None:
             return {}
-        hints: dict[str, Any] = {"point": shifted_variables(self.formulation, self._last.x)}
-        if self._last.active is not None:
-            which = self._before[self._last.active[:, 0]]
-            hints["active"] = np.column_stack([which, self._last.active[:, 1]])[which >= 0]
+        hints: dict[str, Any] = {"point": shifted_variables(f, last.x)}
+        if last.active is not None:
+            active = last.active.copy()
+            active[:, 0] = self._before[active[:, 0]]
+            hints["active"] = active[active[:, 0] >= 0]
+        if last.pseudo_costs is not None:
+            hints["pseudo_costs"] = shifted_experience(f, last.pseudo_costs)
+        if last.cover is not None:
+            hints["cover"] = shifted_cover(f, last.cover, last.x, self._before)
         return hints
 
     def _guess(self, x0: Matrix) -> Matrix | None:
         """Binaries of the last plan, one step later and as the model moves from the measured state."""
         if self._plan is None:
             return None
-        return simulated_binaries(self.formulation, self._step, x0, shifted(self._plan))
+        return simulated_binaries(self.formulation, self._step, x0, shifted(self._plan()))
 
     def _heuristic(self, x0: Matrix) -> Callable[[Matrix, Matrix, Matrix], Matrix]:
         def simulate_relaxation(v: Matrix, _lb: Matrix, _ub: Matrix) -> Matrix:

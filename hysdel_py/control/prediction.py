@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import replace
 from functools import partial
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,11 +16,16 @@ from hysdel_py.errors import HysdelError
 from hysdel_py.systems.mld import Mld
 from hysdel_py.systems.trajectory import Trajectory
 
+if TYPE_CHECKING:
+    from hysdel_py.optimize.mixed_integer import Cover
+
 __all__ = [
     "Step",
     "as_trajectory",
     "choose_step",
     "shifted",
+    "shifted_cover",
+    "shifted_experience",
     "shifted_sides",
     "shifted_variables",
     "simulated_binaries",
@@ -28,6 +33,8 @@ __all__ = [
 
 Matrix = NDArray[np.float64]
 Indices = NDArray[np.int64]
+REMEMBERED = 4.0
+"""An old pseudo-cost counts as this many observations at most."""
 Step = Callable[[Matrix, Matrix], tuple[Matrix, Matrix, Matrix, Matrix]]
 
 
@@ -106,6 +113,45 @@ def shifted_variables(formulation: Formulation, v: Matrix) -> Matrix:
     stages = layout.horizon * size
     later = v.copy()
     later[: stages - size] = v[size:stages]
+    return later
+
+
+def shifted_cover(formulation: Formulation, cover: Cover, v: Matrix, before: Indices) -> Cover | None:
+    """Return the ends of a tree one step later, None if one end is left, which says nothing.
+
+    Parameters
+    ----------
+    formulation : Formulation
+    cover : Cover
+    v : array of shape (n,)
+        The plan, whose first stage is taken as decided.
+    before : integer array
+        See :func:`shifted_sides`.
+    """
+    from hysdel_py.optimize.kernels.cover import later
+    from hysdel_py.optimize.mixed_integer import Cover
+
+    layout = formulation.layout
+    size, count = layout.stage_size, len(cover.lengths)
+    moved = Cover(*later(cover.arrays(), count, v, size, layout.horizon * size, before[: len(formulation.rows)]))
+    return moved if len(moved.lengths) > 1 else None
+
+
+def shifted_experience(formulation: Formulation, pseudo_costs: Matrix) -> Matrix:
+    """Return pseudo-costs one step later, as means of a few observations; the last stage begins without any.
+
+    What was seen long ago must not outweigh what is seen now.
+    """
+    layout = formulation.layout
+    size = layout.stage_size
+    stages = layout.horizon * size
+    later = np.zeros_like(pseudo_costs)
+    later[: stages - size] = pseudo_costs[size:stages]
+    for at in (0, 2):
+        number = later[:, at + 1]
+        kept = np.minimum(number, REMEMBERED)
+        later[:, at] *= kept / np.maximum(number, 1.0)
+        later[:, at + 1] = kept
     return later
 
 

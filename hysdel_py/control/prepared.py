@@ -19,6 +19,9 @@ __all__ = ["Prepared", "prepare"]
 Matrix = NDArray[np.float64]
 Indices = NDArray[np.intp]
 
+SMALL = 20_000
+"""Entries up to which a dense product is faster than a sparse one."""
+
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Prepared:
@@ -26,18 +29,20 @@ class Prepared:
 
     Attributes
     ----------
-    gain : sparse array of shape (n, tracked)
+    gain : array or sparse array of shape (n, tracked)
         ``2 V'Q``, which takes the tracked signals at v = 0 to the linear cost.
+    weights : array or sparse array of shape (tracked, tracked)
+        Q. Both are dense where they are small: most of the time of a small sparse product is not arithmetic.
     entries : mapping of name to (integer array, integer array)
         Places of a reference among the tracked signals, and their times.
-    rows, magnitudes : sparse arrays of shape (m, n)
-        A and its absolute values.
+    rows : (start, column, value)
+        A in compressed rows.
     """
 
-    gain: csr_array
+    gain: csr_array | Matrix
+    weights: csr_array | Matrix
     entries: Mapping[str, tuple[Indices, Indices]]
-    rows: csr_array
-    magnitudes: csr_array
+    rows: tuple[NDArray[np.int64], NDArray[np.int64], Matrix]
 
     def targets(self, references: Mapping[str, Matrix], size: int) -> Matrix:
         """References of all tracked signals, 0 where none is given."""
@@ -55,7 +60,13 @@ def prepare(objective: Objective, A: csc_array) -> Prepared:
 
     gain = csr_array(2.0 * (objective.signals.V.T @ objective.Q))
     rows = csr_array(A)
-    return Prepared(gain, _entries(objective), rows, abs(rows))
+    compressed = rows.indptr.astype(np.int64), rows.indices.astype(np.int64), rows.data.astype(float)
+    return Prepared(_dense_if_small(gain), _dense_if_small(objective.Q), _entries(objective), compressed)
+
+
+def _dense_if_small(matrix: csr_array) -> csr_array | Matrix:
+    dense: csr_array | Matrix = matrix.toarray() if np.prod(matrix.shape) <= SMALL else matrix
+    return dense
 
 
 def _entries(objective: Objective) -> dict[str, tuple[Indices, Indices]]:

@@ -31,8 +31,11 @@ def onto_range(x: Matrix, variables: Sequence[Variable], tolerance: float) -> tu
     outside : array of bool
         The latter.
     """
-    low = np.array([v.low for v in variables], dtype=float)
-    high = np.array([v.high for v in variables], dtype=float)
-    inside = np.clip(x, low, high)
-    outside: NDArray[np.bool_] = np.abs(x - inside) > tolerance * np.maximum(1.0, np.abs(x))
-    return np.where(outside, x, inside), outside
+    moved, outside = np.array(x, dtype=float), np.zeros(len(x), dtype=np.bool_)
+    for i, (value, variable) in enumerate(zip(moved.tolist(), variables, strict=True)):
+        inside = min(max(value, variable.low), variable.high)
+        if abs(value - inside) > tolerance * max(1.0, abs(value)):
+            outside[i] = True
+        else:
+            moved[i] = inside
+    return moved, outside

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
+from math import isfinite
 from typing import TypeAlias
 
 import numpy as np
@@ -48,7 +49,7 @@ class References:
         ArgumentError
             Unknown or missing name, wrong length, not a finite number.
         """
-        given = ref if isinstance(ref, Mapping) else self._by_order(ref)
+        given = ref if isinstance(ref, (dict, Mapping)) else self._by_order(ref)
         unknown = [str(name) for name in given if name not in self.names]
         if unknown:
             raise ArgumentError(f"reference {', '.join(unknown)} is not known: {self._expected()}")
@@ -77,6 +78,8 @@ class References:
         return dict(zip(self.names, vector.tolist(), strict=True))
 
     def _values(self, value: ArrayLike, name: str) -> Matrix:
+        if isinstance(value, float) and isfinite(value):
+            return np.full(self.horizon + 1, value)
         try:
             array = np.array(value, dtype=float)
         except (TypeError, ValueError):

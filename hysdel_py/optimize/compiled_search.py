@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from math import inf
+from time import perf_counter
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -13,7 +14,7 @@ from numpy.typing import NDArray
 from hysdel_py.optimize.certificate import UNIT_ROUNDOFF, diagonal_curvature
 from hysdel_py.optimize.compiled import kernels_are_compiled
 from hysdel_py.optimize.dense import NO_GUESS, DenseSolver
-from hysdel_py.optimize.mixed_integer import Miqp, MiqpResult, MiqpSettings, NodeFate, NodeRecord, SearchInfo
+from hysdel_py.optimize.mixed_integer import Cover, Miqp, MiqpResult, MiqpSettings, NodeFate, NodeRecord, SearchInfo
 from hysdel_py.optimize.propagation import Box
 from hysdel_py.optimize.qp import Qp
 from hysdel_py.optimize.search import Node, Search
@@ -28,8 +29,10 @@ ROOM = 64
 """Nodes for which there is room at first."""
 WORDS = 64
 """Guessed words that are remembered."""
-SLICE, TIMED = 256, 8
-"""Nodes between two looks at the clock where nobody listens, without and with a limit of time."""
+SLICE = 256
+"""Most nodes between two looks at the clock where nobody listens."""
+PATIENCE = 0.5
+"""Share of the time that is left which the nodes up to the next look at the clock may take."""
 NOTHING = np.zeros(0)
 _FATES = (NodeFate.SPLIT, NodeFate.CUT_OFF, NodeFate.INFEASIBLE, NodeFate.LEAF)
 """In the order of the numbers that the loop has for them."""
@@ -45,6 +48,7 @@ class Workspace:
     """
 
     def __init__(self, miqp: Miqp, settings: MiqpSettings, dense: DenseSolver, columns: Any) -> None:
+        from hysdel_py.optimize.kernels.search import NUMBERS
         from hysdel_py.optimize.kernels.tree import COUNTERS
 
         n, m = miqp.qp.n, miqp.qp.m
@@ -53,12 +57,15 @@ class Workspace:
         self.decisions = _decisions(miqp)
         self.spare = diagonal_curvature(miqp.qp.P)
         self.rounding = 2 * (n + m + 8) * UNIT_ROUNDOFF
-        self.tree = _room(ROOM, n, min(n, dense.settings.largest))
+        self.tree = _room(ROOM, n, min(n, dense.settings.largest), len(self.binaries))
+        self.recorded = _no_cover(settings.leaves, n, m, len(self.binaries))
+        self.nothing_carried = _no_cover(0, n, m, len(self.binaries))[:5]
         self.state = (
-            np.zeros(n), np.zeros(3), np.zeros(COUNTERS, dtype=np.int64), (np.zeros(n), np.zeros(n)),
+            np.zeros(n), np.zeros(NUMBERS), np.zeros(COUNTERS, dtype=np.int64), (np.zeros(n), np.zeros(n)),
             np.full(n, np.nan), np.zeros(WORDS, dtype=np.int64), (np.zeros(n), np.zeros(n)),
-            np.zeros((n, 2), dtype=np.int64), np.zeros((WORDS, len(self.binaries))),
-            (np.zeros(n), np.zeros(m)),
+            np.zeros((n, 2), dtype=np.int64), np.zeros((WORDS, len(self.binaries))), np.zeros((n, 4)),
+            np.zeros(len(self.binaries), dtype=np.int64), np.zeros(m), self.recorded,
+            (np.zeros(n), np.zeros(m)), self.nothing_carried,
         )  # fmt: skip
         s, d, p = settings, dense.settings, settings.propagation
         self.settings = (
@@ -90,18 +97,49 @@ class Workspace:
     def grow(self) -> None:
         """Make room for twice as many nodes."""
         room, n = self.tree[0].shape
-        larger = _room(2 * room, n, self.tree[5].shape[1])
+        larger = _room(2 * room, n, self.tree[5].shape[1], len(self.binaries))
         for new, old in zip(larger, self.tree, strict=True):
             new[:room] = old
         self.tree = larger
 
+    def carry(self, cover: Cover | None) -> None:
+        """Forget the ends of the last tree, and take in those from which the next one is to begin."""
+        limits = self.recorded[5]
+        limits[:] = 0, len(self.binaries)
+        self.state = (*self.state[:-1], self.nothing_carried if cover is None else cover.arrays())
+        while cover is not None and len(self.tree[7]) < len(cover.lengths) + 2:
+            self.grow()
 
-def _room(size: int, n: int, width: int) -> tuple[Any, ...]:
+    def noted(self) -> Cover | None:
+        """The ends of the tree, if there are several; nodes that are still open are among them."""
+        from hysdel_py.optimize.kernels.cover import COUNT, keep_open
+
+        if not len(self.recorded[0]):
+            return None
+        keep_open(self.tree, self.state[2], self.recorded)
+        count = int(self.recorded[5][COUNT])
+        return Cover(*(array[:count].copy() for array in self.recorded[:5])) if count > 1 else None
+
+
+def _no_cover(size: int, n: int, m: int, binaries: int) -> tuple[Any, ...]:
+    """Room for the ends of a tree; see :mod:`hysdel_py.optimize.kernels.cover`."""
+    whole = [np.zeros(shape, dtype=np.int64) for shape in ((size, binaries), size)]
+    return (
+        *whole,
+        np.zeros((size, n)),
+        np.zeros((size, m)),
+        np.zeros(size, dtype=np.int64),
+        np.zeros(2, dtype=np.int64),
+    )
+
+
+def _room(size: int, n: int, width: int, binaries: int) -> tuple[Any, ...]:
     """Arrays for the nodes of a tree."""
     whole = [np.zeros(shape, dtype=np.int64) for shape in (size, (size, width), size)]
     real = [np.zeros(shape) for shape in ((size, n), (size, n), size)]
     split = np.zeros((size, 3), dtype=np.int64)
-    return (*real, split, *whole, np.arange(size), np.zeros((size, n)))
+    ways = np.zeros((size, binaries), dtype=np.int64)
+    return (*real, split, *whole, np.arange(size), np.zeros((size, n)), ways)
 
 
 def _decisions(miqp: Miqp) -> tuple[NDArray[np.int64], NDArray[np.bool_]]:
@@ -131,12 +169,18 @@ class Hints:
         Only its drivers count.
     active : array of shape (rows, 2), or None
         Active inequalities.
+    pseudo_costs : array of shape (n, 4), or None
+        See :mod:`hysdel_py.optimize.kernels.branching`.
+    cover : Cover or None
+        Parts from which the tree begins.
     """
 
     floor: float = -inf
     word: Vector | None = None
     point: Vector | None = None
     active: NDArray[np.int64] | None = None
+    pseudo_costs: Vector | None = None
+    cover: Cover | None = None
 
 
 class CompiledSearch:
@@ -158,7 +202,7 @@ class CompiledSearch:
         assert solver.workspace is not None
         self.space: Workspace = solver.workspace
         self.search = Search(solver, qp, begin)
-        self.search.heuristic = heuristic
+        self.search.heuristic, self.search.rows = heuristic, self.space.dense.rows
         self.progress = progress
         bounded = bool(np.isfinite(qp.lb).all() and np.isfinite(qp.ub).all())
         self.data = self.space.data(qp, None if bounded else solver.verified.certifier(qp).curvature)
@@ -172,22 +216,37 @@ class CompiledSearch:
             before = self.search.nodes
             self._advance()
             stop = self.search.reason_to_stop(self.progress if self.search.nodes > before else None)
-        result = self.search.finished() if stop is None else self.search.stopped(stop)
-        return replace(result, active=self._root_active())
+        self.search.active, self.search.pseudo_costs = self._root_active(), self._learnt(hints)
+        self.search.cover = self.space.noted()
+        return self.search.finished() if stop is None else self.search.stopped(stop)
+
+    def _learnt(self, hints: Hints) -> Vector | None:
+        """The pseudo-costs, None as long as no node has been split."""
+        learnt: Vector = self.space.state[9]
+        return learnt.copy() if hints.pseudo_costs is not None or self.search.nodes > 1 else None
 
     def rehearse(self) -> None:
-        """Load or compile the loop, so that the first search does not have to wait for it."""
+        """Load or compile the loop and what comes after it, so that the first search does not have to wait for them."""
+        from hysdel_py.optimize.kernels.cover import keep_open, later
+        from hysdel_py.optimize.kernels.residual import violations
+
         if self._start(Hints()):
             self._loop(0)
+        space, problem, (lb, ub) = self.space, self.data[0], self.data[3]
+        nowhere = np.full(len(problem[3]), -1, dtype=np.int64)
+        violations(space.dense.rows, problem[3], problem[4], lb, ub, np.zeros(len(lb)))
+        keep_open(space.tree, np.zeros_like(space.state[2]), space.recorded)
+        later(space.nothing_carried, 0, np.zeros(len(lb)), 1, 1, nowhere)
 
     def _start(self, hints: Hints) -> bool:
         """Open the root; False if propagation proves the problem empty."""
         from hysdel_py.optimize.kernels.search import start
 
-        point, word = (
-            NOTHING if part is None else np.array(part, dtype=float) for part in (hints.point, hints.word)
-        )  # fmt: skip
+        point = NOTHING if hints.point is None else np.array(hints.point, dtype=float)
+        word = NOTHING if hints.word is None else np.array(hints.word, dtype=float)
         guess = (float(hints.floor), point, word, NO_GUESS if hints.active is None else hints.active)
+        self.space.carry(hints.cover)
+        self.space.state[9][:] = 0.0 if hints.pseudo_costs is None else hints.pseudo_costs
         self.search.known, self.search.elsewhere = hints.floor, 1
         return bool(start(self.data, self.space.tree, self.space.state, self.space.settings, guess))
 
@@ -196,7 +255,8 @@ class CompiledSearch:
         from hysdel_py.optimize.kernels import search as kernel
 
         reason = self._loop(self._slice())
-        self.search.record = self._record()
+        if self.progress is not None:
+            self.search.record = self._record()
         if reason == kernel.FULL:
             self.space.grow()
         elif reason == kernel.HELP:
@@ -233,9 +293,15 @@ class CompiledSearch:
         s = self.search
         if self.progress is not None or s.heuristic is not None or not kernels_are_compiled():
             return 1
-        most = 1 if s.settings.time_limit < inf and not s.nodes else SLICE
-        most = min(most, TIMED) if s.settings.time_limit < inf else most
+        most = SLICE if s.settings.time_limit == inf else self._affordable()
         return int(max(1, min(most, s.settings.node_limit - s.nodes)))
+
+    def _affordable(self) -> float:
+        """Nodes that fit into the time that is left, as far as those before tell; one at first."""
+        s = self.search
+        spent = perf_counter() - s.start
+        left = s.settings.time_limit - spent
+        return min(SLICE, PATIENCE * left * s.nodes / spent)
 
     def _take_over(self) -> None:
         """Tell the search in Python what the compiled loop has found."""
@@ -268,7 +334,8 @@ class CompiledSearch:
             near = np.array(box[0] if node.guess is None else node.guess.x)
             near = np.where(np.isfinite(near), near, 0.0)
             fixed = int(node.variable), float(node.value)
-            tree.push(self.space.tree, counters, box, float(node.bound), *fixed, NO_GUESS, near)
+            way = self.space.state[10]
+            tree.push(self.space.tree, counters, box, float(node.bound), *fixed, NO_GUESS, near, way)
         counters[tree.DIVE] = len(s.stack) > 0
         s.stack.clear()
 
@@ -287,8 +354,17 @@ class CompiledSearch:
         s.explore(Node(inside, -1, 0.0, float(numbers[kernel.BOUND]), int(counters[tree.DEPTH]), None))
         if before is not None and s.record is not None:
             s.record = replace(s.record, parent=before.parent, variable=before.variable, value=before.value)
+        if not s.stack:
+            self._keep_end()
         self._hand_over()
         self._take_over()
+
+    def _keep_end(self) -> None:
+        """Note the node that was visited last among the ends of the tree."""
+        from hysdel_py.optimize.kernels import cover, tree
+
+        state = self.space.state
+        cover.keep(self.space.recorded, state[10], int(state[2][tree.DEPTH]), state[4], state[11], cover.OPEN_END)
 
     def _ask_heuristic(self) -> None:
         """Let the caller's heuristic look at the relaxed point of the last node, if it had one."""

@@ -27,7 +27,7 @@ from hysdel_py.optimize.compiled_propagation import CompiledPropagator, propagat
 from hysdel_py.optimize.compiled_search import CompiledSearch, Hints, Workspace
 from hysdel_py.optimize.dense import dense_solver
 from hysdel_py.optimize.heuristics import Guesser
-from hysdel_py.optimize.mixed_integer import Miqp, MiqpResult, MiqpSettings, MiqpStatus, SearchInfo
+from hysdel_py.optimize.mixed_integer import Cover, Miqp, MiqpResult, MiqpSettings, MiqpStatus, SearchInfo
 from hysdel_py.optimize.qp import Qp
 from hysdel_py.optimize.search import Search
 from hysdel_py.optimize.verified import VerifiedSolver
@@ -57,6 +57,8 @@ class MiqpSolver:
         self.miqp = miqp
         self.settings = settings or MiqpSettings()
         self.program, self._shift = without_binary_squares(miqp)
+        self._within_bounds = False
+        self._within_bounds = self._problem(self.program.qp) is self.program.qp
         get_backend(self.settings.solver, self.settings.qp)
         dense = dense_solver(self.program, self.settings.backend)
         self.verified = VerifiedSolver(self.program.qp, self.settings.solver, self.settings.qp, dense=dense)
@@ -82,6 +84,8 @@ class MiqpSolver:
         incumbent: ArrayLike | None = None,
         point: ArrayLike | None = None,
         active: NDArray[np.int64] | None = None,
+        pseudo_costs: Vector | None = None,
+        cover: Cover | None = None,
         heuristic: Heuristic | None = None,
         progress: Progress | None = None,
     ) -> MiqpResult:
@@ -103,6 +107,13 @@ class MiqpSolver:
         active : array of shape (rows, 2), optional
             Rows, or m + variable, and signs of their sides that may be active at the relaxed solution. Only the dense
             kernels use it; an earlier result has it as ``active``.
+        pseudo_costs : array of shape (n, 4), optional
+            What the search of a similar problem has learnt; an earlier result has it as ``pseudo_costs``. It chooses
+            where nodes are split. Only the dense kernels use it.
+        cover : Cover, optional
+            Parts of the problem that the search opens once it has looked at the root, in place of the halves of the
+            root; together they have to hold every word of binaries. An earlier result has it as ``cover``. Bounds
+            are computed anew from its points and multipliers. Only the dense kernels use it.
         heuristic : callable, optional
             ``heuristic(x, lb, ub)`` gets a relaxed point and the bounds of its node, arrays of length n, and returns
             one vector of binary values, several as rows, or None.
@@ -117,14 +128,16 @@ class MiqpSolver:
         Raises
         ------
         ArgumentError
-            A vector of the wrong shape, also one that the heuristic gave.
+            A vector of the wrong shape, also one that the heuristic gave; pseudo-costs or a cover of another program.
         """
         start = perf_counter()
         qp = self._problem(self.program.qp.with_vectors(q, l=l, u=u, lb=lb, ub=ub, constant=constant))
         if q is not None and self._shift.any():
             qp = qp.with_vectors(qp.q + self._shift)
         if self.workspace is not None:
-            hints = Hints(floor, self._guess(incumbent), None if point is None else np.asarray(point), active)
+            point = None if point is None else np.asarray(point)
+            self._check_experience(pseudo_costs, cover)
+            hints = Hints(floor, self._guess(incumbent), point, active, pseudo_costs, cover)
             return CompiledSearch(self, qp, start, heuristic, progress).run(hints)
         search = Search(self, qp, start)
         search.heuristic, search.known = heuristic, floor
@@ -139,12 +152,26 @@ class MiqpSolver:
 
     def _problem(self, qp: Qp) -> Qp:
         """Cut the bounds of the binaries to [0, 1]."""
+        if qp.lb is self.program.qp.lb and qp.ub is self.program.qp.ub and self._within_bounds:
+            return qp
         at = self.miqp.binaries
         if (qp.lb[at] >= 0.0).all() and (qp.ub[at] <= 1.0).all():
             return qp
         lb, ub = qp.lb.copy(), qp.ub.copy()
         lb[at], ub[at] = np.maximum(lb[at], 0.0), np.minimum(ub[at], 1.0)
         return qp.with_vectors(lb=lb, ub=ub)
+
+    def _check_experience(self, pseudo_costs: Vector | None, cover: Cover | None) -> None:
+        """Refuse what an earlier search of a program of another size has handed on."""
+        n, m, count = self.miqp.qp.n, self.miqp.qp.m, len(self.miqp.binaries)
+        if pseudo_costs is not None and pseudo_costs.shape != (n, 4):
+            raise ArgumentError(f"pseudo_costs has shape {pseudo_costs.shape}: ({n}, 4) was expected")
+        if cover is None:
+            return
+        ends = len(cover.lengths)
+        expected = (ends, count), (ends,), (ends, n), (ends, m), (ends,)
+        if tuple(array.shape for array in cover.arrays()) != expected:
+            raise ArgumentError(f"cover is not one of a program with {n} variables, {m} rows and {count} binaries")
 
     def _guess(self, incumbent: ArrayLike | None) -> Vector | None:
         if incumbent is None:

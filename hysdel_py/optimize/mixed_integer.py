@@ -16,7 +16,17 @@ from hysdel_py.errors import ArgumentError
 from hysdel_py.optimize.propagation import PropagationSettings
 from hysdel_py.optimize.qp import Qp, QpSettings
 
-__all__ = ["KERNELS", "Miqp", "MiqpResult", "MiqpSettings", "MiqpStatus", "NodeFate", "NodeRecord", "SearchInfo"]
+__all__ = [
+    "KERNELS",
+    "Cover",
+    "Miqp",
+    "MiqpResult",
+    "MiqpSettings",
+    "MiqpStatus",
+    "NodeFate",
+    "NodeRecord",
+    "SearchInfo",
+]
 
 Vector = NDArray[np.float64]
 Indices = NDArray[np.intp]
@@ -98,6 +108,9 @@ class MiqpSettings:
         as many; 0 for never. Only the dense kernels probe.
     narrowing : bool
         Whether bounds of variables follow from the value of the incumbent. Only the dense kernels do that.
+    leaves : int
+        Ends of the tree that are noted for the search of a similar problem, at most; 0 for none, else 2 or more. Where
+        a tree has more, the deepest are merged. Only the dense kernels do this.
     qp : QpSettings
     propagation : PropagationSettings
     """
@@ -112,13 +125,16 @@ class MiqpSettings:
     rounding: int = 4
     probing: int = 8
     narrowing: bool = True
+    leaves: int = 0
     qp: QpSettings = field(default_factory=QpSettings)
     propagation: PropagationSettings = field(default_factory=PropagationSettings)
 
     def __post_init__(self) -> None:
-        for name in ("gap_abs", "gap_rel", "time_limit", "node_limit", "rounding", "probing"):
+        for name in ("gap_abs", "gap_rel", "time_limit", "node_limit", "rounding", "probing", "leaves"):
             if not (isinstance(getattr(self, name), Real) and getattr(self, name) >= 0):
                 raise ArgumentError(f"{name} is {getattr(self, name)!r}: a number that is not negative was expected")
+        if not isinstance(self.leaves, int) or self.leaves == 1:
+            raise ArgumentError(f"leaves is {self.leaves!r}: 0, or a whole number from 2 on, was expected")
         for name in ("integrality", "feasibility"):
             if not (isinstance(getattr(self, name), Real) and 0 < getattr(self, name) < 0.5):
                 raise ArgumentError(f"{name} is {getattr(self, name)!r}: a number between 0 and 0.5 was expected")
@@ -194,6 +210,33 @@ class SearchInfo:
 
 
 @dataclass(frozen=True, eq=False, slots=True)
+class Cover:
+    """The ends of a tree, which divide all words of binaries among them.
+
+    Attributes
+    ----------
+    ways : array of shape (ends, number of binaries)
+        Decisions on the way to each end as numbers ``2 * variable + value``.
+    lengths : array of shape (ends,)
+        How many of them count.
+    points, multipliers : arrays of shape (ends, n), (ends, m)
+        What an end was closed with.
+    kinds : array of shape (ends,)
+        0 where there are no multipliers, 1 where they give a bound, 2 where they are a ray of Farkas.
+    """
+
+    ways: NDArray[np.int64]
+    lengths: NDArray[np.int64]
+    points: Vector
+    multipliers: Vector
+    kinds: NDArray[np.int64]
+
+    def arrays(self) -> tuple[Any, ...]:
+        """The fields in their order."""
+        return self.ways, self.lengths, self.points, self.multipliers, self.kinds
+
+
+@dataclass(frozen=True, eq=False, slots=True)
 class MiqpResult:
     """Answer of the search.
 
@@ -216,6 +259,11 @@ class MiqpResult:
     active : array of shape (rows, 2), or None
         Active inequalities at the relaxed solution of the whole problem, where the dense kernels found them: a row, or
         m + variable, and 1 for the upper side or -1 for the lower one.
+    pseudo_costs : array of shape (n, 4), or None
+        What the compiled loop has learnt about splitting at each variable: the sum of the growths of the bound per unit
+        and their number, for the value 0, then for 1.
+    cover : Cover or None
+        The ends of the tree, where the settings ask for them and it has more than one.
     """
 
     status: MiqpStatus
@@ -229,6 +277,8 @@ class MiqpResult:
     message: str
     residual: float
     active: NDArray[np.int64] | None = None
+    pseudo_costs: Vector | None = None
+    cover: Cover | None = None
 
 
 def _indices(value: ArrayLike | Sequence[int], n: int, name: str) -> Indices:

@@ -164,7 +164,8 @@ class Qp:
         for name in ("P", "A", "_size", "_transposed"):
             object.__setattr__(twin, name, getattr(self, name))
         for name, value in given.items():
-            vector = getattr(self, name) if value is None else _vector(value, sizes[name], name)
+            own = getattr(self, name)
+            vector = own if value is None or value is own else _vector(value, sizes[name], name)
             object.__setattr__(twin, name, vector)
         if q is not None:
             _finite(twin.q, "q")

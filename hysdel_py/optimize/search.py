@@ -16,7 +16,16 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hysdel_py.errors import ArgumentError
-from hysdel_py.optimize.mixed_integer import MiqpResult, MiqpSettings, MiqpStatus, NodeFate, NodeRecord, SearchInfo
+from hysdel_py.optimize.kernels.residual import violations
+from hysdel_py.optimize.mixed_integer import (
+    Cover,
+    MiqpResult,
+    MiqpSettings,
+    MiqpStatus,
+    NodeFate,
+    NodeRecord,
+    SearchInfo,
+)
 from hysdel_py.optimize.propagation import Box
 from hysdel_py.optimize.qp import Qp, objective_value, violation
 from hysdel_py.optimize.verified import Start, Verdict
@@ -72,6 +81,10 @@ class Search:
         Least certified bound of the parts that are done.
     known : float
         Lower bound that the caller knows.
+    active, pseudo_costs, cover : arrays, Cover, or None
+        What the compiled loop hands on, see :class:`MiqpResult`.
+    rows : tuple of arrays, or None
+        A in compressed rows, where there are kernels that work on it.
     elsewhere, pending, solves_elsewhere : int, float, int
         Open nodes that the compiled loop keeps, their least bound, and the programs that it solved.
     """
@@ -89,6 +102,10 @@ class Search:
         self.unsettled, self.unbounded = "", False
         self.elsewhere, self.pending, self.solves_elsewhere = 0, inf, 0
         self.record: NodeRecord | None = None
+        self.rows: Any = None
+        self.active: NDArray[np.int64] | None = None
+        self.pseudo_costs: Vector | None = None
+        self.cover: Cover | None = None
 
     # ---------------------------------------------------------------- steps of the main loop
 
@@ -327,11 +344,17 @@ class Search:
         gap = max(0.0, objective - bound) if self.x is not None and status is not MiqpStatus.UNBOUNDED else inf
         residual = self._residual()
         seconds = perf_counter() - self.start
-        return MiqpResult(status, self.x, objective, bound, gap, self.nodes, self._solves(), seconds, message, residual)
+        return MiqpResult(
+            status, self.x, objective, bound, gap, self.nodes, self._solves(), seconds, message, residual, self.active,
+            self.pseudo_costs, self.cover,
+        )  # fmt: skip
 
     def _residual(self) -> float:
         if self.x is None:
             return inf
-        rows, x, qp = self.qp.A @ self.x, self.x, self.qp
+        x, qp = self.x, self.qp
+        if self.rows is not None:
+            return float(violations(self.rows, qp.l, qp.u, qp.lb, qp.ub, x)[0])
+        rows = qp.A @ x
         at_rows, at_bounds = np.maximum(qp.l - rows, rows - qp.u), np.maximum(qp.lb - x, x - qp.ub)
         return float(max(at_rows.max(initial=0.0), at_bounds.max(initial=0.0)))

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from enum import Enum
-from math import inf
+from math import inf, isfinite
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -95,8 +95,8 @@ def as_vector(value: ArrayLike | Mapping[str, float], variables: Sequence[Variab
     vector = (
         _from_mapping(value, variables, what) if isinstance(value, Mapping) else _from_array(value, variables, what)
     )
-    for entry, variable in zip(vector, variables, strict=True):
-        if not np.isfinite(entry):
+    for entry, variable in zip(vector.tolist(), variables, strict=True):
+        if not isfinite(entry):
             raise ArgumentError(f"{what} {variable.name} is {entry}: a finite number was expected")
         if variable.is_bool and entry not in (0.0, 1.0):
             raise ArgumentError(f"{what} {variable.name} is {entry:g}: it is Boolean, 0 or 1 was expected")

@@ -1,7 +1,8 @@
 """From a relaxed point to a word of binaries: the real drivers are held at its values, and the rows decide the rest.
 
-Propagation after each decision is a simulation of the system, as far as drivers settle it. A binary that stays open is
-rounded, and turned over once where the rows object.
+The drivers are held all at once, and one after the other where the rows object to that. Propagation after each decision
+is a simulation of the system, as far as drivers settle it. A binary that stays open is rounded, and turned over once
+where the rows object.
 """
 
 from __future__ import annotations
@@ -47,6 +48,8 @@ def follow(problem, columns, box, x, decisions, drive, settings):
     rows, l, u, integer = problem[2], problem[3], problem[4], problem[5]
     queued, moved = np.zeros(len(l), dtype=np.bool_), np.zeros(twice_the_longest(rows[0]), dtype=np.int64)
     variables, real = decisions
+    if drive:
+        hold_drivers(problem, columns, box, x, decisions, queued, moved, settings)
     for i in range(len(variables)):
         j = variables[i]
         if box[0][j] >= box[1][j] or (real[i] and not drive):
@@ -64,6 +67,26 @@ def follow(problem, columns, box, x, decisions, drive, settings):
             if narrow(j, 1.0 - value, rows, columns, integer, box, (l, u), queued, moved, settings) >= 0:
                 return False
     return True
+
+
+@compiled
+def hold_drivers(problem, columns, box, x, decisions, queued, moved, settings):
+    """Hold all real drivers at x at once, which costs one propagation; the box stays as it was if the rows object."""
+    before = box[0].copy(), box[1].copy()
+    variables, real = decisions
+    for i in range(len(variables)):
+        j = variables[i]
+        if real[i] and box[0][j] < box[1][j]:
+            box[0][j] = box[1][j] = min(max(x[j], box[0][j]), box[1][j])
+            queue_rows(j, columns[0], columns[1], queued)
+    rows = problem[2]
+    conflict = sweep(
+        rows[0], rows[1], rows[2], columns[0], columns[1], problem[5], box[0], box[1], problem[3], problem[4], queued,
+        moved, settings,
+    )[0]  # fmt: skip
+    if conflict >= 0:
+        box[0][:], box[1][:] = before
+        queued[:] = False
 
 
 @compiled

@@ -10,10 +10,12 @@ from __future__ import annotations
 import numpy as np
 
 from hysdel_py.optimize.compiled import compiled, leaf
+from hysdel_py.optimize.kernels.branching import branching_variable, learn
 from hysdel_py.optimize.kernels.certificate import excess
+from hysdel_py.optimize.kernels.cover import BOUNDED, OPEN_END, RAY, inherited, keep, restrict, wished_rows
 from hysdel_py.optimize.kernels.guessing import fix_word, follow, queue_rows
 from hysdel_py.optimize.kernels.judging import BOUND, FLOOR, OBJECTIVE, judge, worthwhile
-from hysdel_py.optimize.kernels.node import BEATEN, EMPTY, SOLVED, middle, value_at
+from hysdel_py.optimize.kernels.node import EMPTY, SOLVED, middle, value_at
 from hysdel_py.optimize.kernels.propagation import propagate
 from hysdel_py.optimize.kernels.strengthening import NEVER, meet, narrow, narrow_root, strengthen
 from hysdel_py.optimize.kernels.tree import (
@@ -26,23 +28,30 @@ from hysdel_py.optimize.kernels.tree import (
     NODES,
     OPEN,
     PENDING,
+    PLANTED,
     PROBING,
     WAY,
     WORDS,
+    least_open,
     push,
+    push_again,
     take_next,
     wished,
 )
 
 __all__ = [
-    "BOUND", "CALM", "CUT_OFF", "FLOOR", "FULL", "HELP", "INFEASIBLE", "LEAF", "OBJECTIVE", "PAUSED", "SPLIT",
-    "note_word", "run", "start",
+    "BOUND", "CALM", "CUT_OFF", "FLOOR", "FULL", "HELP", "INFEASIBLE", "LEAF",
+    "NUMBERS", "OBJECTIVE", "OPEN_END", "PAUSED", "SPLIT", "keep", "note_word", "run", "start",
 ]  # fmt: skip
 
 CALM, PAUSED, FULL, HELP = 0, 1, 2, 3
 """Why a slice ended: no open node, its nodes are used up, no room for two more, a node that needs other means."""
 SPLIT, CUT_OFF, INFEASIBLE, LEAF = 0, 1, 2, 3
 """What became of a node."""
+HINTED = 3
+"""Number beside those of :mod:`judging`: whether the root begins at a point whose drivers may be good."""
+NUMBERS = 4
+"""How many numbers."""
 
 MODULUS = 2**61 - 1
 """Words of binaries are told apart by their values as numbers modulo this."""
@@ -61,19 +70,16 @@ def start(data, tree, state, settings, guess):
     floor, point, word, active = guess
     numbers, counters, root = state[1], state[2], state[6]
     numbers[OBJECTIVE] = numbers[FLOOR] = np.inf
+    numbers[HINTED] = 1.0 if len(point) else 0.0
     counters[:] = 0
     counters[PROBING] = settings[6] if settings[6] > 0 else NEVER
-    state[9][0][:] = np.nan
+    state[13][0][:] = np.nan
     if not open_root(data, root, settings):
         return False
     counters[DEPTH], counters[LAST] = -1, tree[7][0]
-    push(tree, counters, root, floor, -1, 0.0, active, point if len(point) else middle(root))
+    push(tree, counters, root, floor, -1, 0.0, active, point if len(point) else middle(root), state[10])
     if len(word):
         note_word(word, state)
-    if len(point):
-        box = root[0].copy(), root[1].copy()
-        if follow(data[0], data[2], box, point, data[4], True, settings[2]):
-            note_word(box[0][data[5]], state)
     return True
 
 
@@ -102,6 +108,8 @@ def open_root(data, root, settings):
 def run(data, tree, state, settings, slice_):
     """Look at guesses and open nodes until something of :data:`CALM` to :data:`HELP` happens.
 
+    The root comes before all guesses: often its relaxed point is as good as a guess, and no other program is solved.
+
     Parameters
     ----------
     data : (problem, groups, columns, wide, decisions, binaries, priorities, known, spare)
@@ -111,10 +119,14 @@ def run(data, tree, state, settings, slice_):
         semidefinite.
     tree
         See :mod:`hysdel_py.optimize.kernels.tree`.
-    state : (x, numbers, counters, box, relaxed, words, root, active, pending, top)
+    state : (x, numbers, counters, box, relaxed, words, root, active, pending, costs, way, multipliers, cover, top,
+    carried)
         Incumbent; numbers and counters; box and relaxed point of the node at hand; words that were guessed, as
         numbers; bounds of the whole problem, propagated and narrowed by the cost, and active inequalities there; words
-        to be tried; point and multipliers of the relaxation of the whole problem, not numbers before there is one.
+        to be tried; pseudo-costs, see :mod:`hysdel_py.optimize.kernels.branching`; decisions on the way to the node at
+        hand, and multipliers of its relaxation; the ends of this tree, see :mod:`hysdel_py.optimize.kernels.cover`;
+        point and multipliers of the relaxation of the whole problem, not numbers before there is one; the ends of an
+        earlier tree that take the place of the halves of the root.
     settings : (gaps, solver, propagation, feasibility, integrality, rounding, probing, narrowing)
         `gaps` is (absolute, relative).
     slice_ : int
@@ -123,10 +135,13 @@ def run(data, tree, state, settings, slice_):
     counters, box = state[2], state[3]
     stop = counters[NODES] + slice_
     while counters[PENDING] > 0 or counters[OPEN] > 0:
-        guessed = counters[PENDING] > 0
+        guessed = counters[PENDING] > 0 and counters[NODES] > 0
         if guessed:
             slot = counters[LAST]  # its relaxation is a good start
             ready = take_word(data, state, settings)
+        elif counters[PLANTED] == 0 and counters[NODES] > 0 and len(state[14][1]) > 0:
+            plant(data, tree, state, settings)
+            continue
         elif counters[NODES] >= stop:
             return PAUSED
         elif counters[OPEN] + 2 > len(tree[7]):
@@ -147,8 +162,35 @@ def run(data, tree, state, settings, slice_):
         elif not digest(data, tree, (status, w, y, bound, active), state, settings):
             return HELP
         if state[1][OBJECTIVE] < before:
-            narrow_root(data, state, settings)
+            narrow_root(data, tree, state, settings)
+        if counters[OPEN] == 0 and state[1][FLOOR] >= worthwhile(state[1], settings[0]):
+            counters[PENDING] = 0
     return CALM
+
+
+@compiled
+def plant(data, tree, state, settings):
+    """Open the ends of an earlier tree in place of the halves of the root, unless they can be closed again."""
+    problem, known = data[0], data[7]
+    numbers, counters, root, cover = state[1], state[2], state[6], state[12]
+    ways, lengths, points, multipliers, kinds = state[14]
+    least = least_open(tree[2], tree[7], counters)
+    counters[PLANTED], counters[OPEN], counters[DIVE] = 1, 0, 0
+    for i in range(len(lengths)):
+        box = root[0].copy(), root[1].copy()
+        if not restrict(problem, data[2], box, ways[i], lengths[i], settings[2]):
+            keep(cover, ways[i], lengths[i], points[i], multipliers[i], OPEN_END)
+            continue
+        near = within(box, points[i])
+        bound = max(least, inherited(problem, box, near, multipliers[i], kinds[i], known))
+        if bound >= worthwhile(numbers, settings[0]):
+            numbers[FLOOR] = min(numbers[FLOOR], bound)
+            keep(cover, ways[i], lengths[i], near, multipliers[i], kinds[i])
+            continue
+        active = wished_rows(multipliers[i], state[7][: counters[ACTIVE]], len(problem[3]))
+        counters[DEPTH] = lengths[i] - 1
+        code = ways[i, lengths[i] - 1]
+        push(tree, counters, box, bound, code // 2, float(code % 2), active, near, ways[i])
 
 
 @compiled
@@ -167,14 +209,17 @@ def enter(data, tree, slot, state, settings):
     numbers, counters, box = state[1], state[2], state[3]
     counters[DIVE], counters[LAST] = 0, slot
     state[4][0] = np.nan
+    depth = tree[4][slot]
     if tree[2][slot] >= worthwhile(numbers, settings[0]):
         numbers[FLOOR] = min(numbers[FLOOR], tree[2][slot])
+        keep(state[12], tree[9][slot], depth, tree[8][slot], state[11], OPEN_END)
         return False
+    state[10][:depth] = tree[9][slot, :depth]
     counters[NODES] += 1
     counters[FATE] = INFEASIBLE
     counters[WAY : WAY + 3] = tree[3][slot]
     box[0][:], box[1][:] = tree[0][slot], tree[1][slot]
-    counters[DEPTH], numbers[BOUND] = tree[4][slot], tree[2][slot]
+    counters[DEPTH], numbers[BOUND] = depth, tree[2][slot]
     j = tree[3][slot, 0]
     if j < 0:
         return True
@@ -186,9 +231,29 @@ def enter(data, tree, slot, state, settings):
     sides = problem[3], problem[4]
     if propagate(problem[2], columns, problem[5], box, sides, queued, settings[2])[0] < 0:
         return True
-    if counters[NARROWED] > 0:  # empty, or no better than the incumbent
-        counters[FATE], numbers[BOUND] = CUT_OFF, max(numbers[BOUND], worthwhile(numbers, settings[0]))
+    learn(state[9], j, tree[3][slot, 1], tree[8][slot, j], growth(numbers, np.inf, settings[0]))
+    keep(state[12], state[10], depth, tree[8][slot], state[11], OPEN_END)
+    if counters[NARROWED] > 0:
+        call_beaten(state, settings)
     return False
+
+
+@leaf
+def call_beaten(state, settings):
+    """Say of an empty part of a narrowed problem that it is no better than the incumbent; it may have points."""
+    numbers = state[1]
+    state[2][FATE], numbers[BOUND] = CUT_OFF, max(numbers[BOUND], worthwhile(numbers, settings[0]))
+
+
+@leaf
+def growth(numbers, bound, gaps):
+    """By how much a new bound is above that of the parent, as far as it matters; not a number if that is unknown."""
+    before, enough = numbers[BOUND], worthwhile(numbers, gaps)
+    if before == -np.inf:
+        return np.nan
+    if bound == np.inf and enough == np.inf:
+        return 1.0 + abs(before)
+    return max(min(bound, enough) - before, 0.0)
 
 
 @compiled
@@ -196,19 +261,24 @@ def digest(data, tree, verdict, state, settings):
     """Drop, settle or split a node whose relaxation has been judged; False if it needs other means."""
     status, w, y, bound, active = verdict
     numbers, counters, box = state[1], state[2], state[3]
+    state[11][:] = y
     if counters[DEPTH] == 0 and status == SOLVED:
-        state[9][0][:], state[9][1][:] = w, y
+        state[13][0][:], state[13][1][:] = w, y
     if counters[DEPTH] == 0:
         counters[ACTIVE] = min(len(active), len(state[7]))
         state[7][: counters[ACTIVE]] = active[: counters[ACTIVE]]
+    variable, slot = counters[WAY], counters[LAST]
+    if variable >= 0 and status >= 0:
+        gained = growth(numbers, np.inf if status == EMPTY else bound, settings[0])
+        learn(state[9], variable, tree[3][slot, 1], tree[8][slot, variable], gained)
     if status == EMPTY:
+        keep(state[12], state[10], counters[DEPTH], w, y, RAY)
         if counters[NARROWED] > 0:
-            counters[FATE], numbers[BOUND] = CUT_OFF, max(numbers[BOUND], worthwhile(numbers, settings[0]))
+            call_beaten(state, settings)
         return True
     numbers[BOUND] = max(numbers[BOUND], bound)
-    counters[FATE] = CUT_OFF
-    if status == BEATEN or numbers[BOUND] >= worthwhile(numbers, settings[0]):
-        numbers[FLOOR] = min(numbers[FLOOR], numbers[BOUND])
+    if is_beaten(state, settings):
+        keep(state[12], state[10], counters[DEPTH], w, y, BOUNDED)
         return True
     if status != SOLVED:
         return False
@@ -219,10 +289,29 @@ def digest(data, tree, verdict, state, settings):
     every = settings[5]
     if every and counters[DEPTH] % every == 0:
         look_around(data, box, w, state, settings)
+        if is_beaten(state, settings):
+            keep(state[12], state[10], counters[DEPTH], w, y, BOUNDED)
+            return True
     if not narrow(data, box, w, y, state, settings):
-        numbers[BOUND] = max(numbers[BOUND], worthwhile(numbers, settings[0]))
+        keep(state[12], state[10], counters[DEPTH], w, y, BOUNDED)
+        call_beaten(state, settings)
         return True
+    if counters[DEPTH] == 0 and numbers[HINTED] > 0.0:
+        inside = box[0].copy(), box[1].copy()
+        if follow(data[0], data[2], inside, tree[8][slot], data[4], True, settings[2]):
+            note_word(inside[0][data[5]], state)
     split(data, tree, box, w, active, state, settings)
+    return True
+
+
+@leaf
+def is_beaten(state, settings):
+    """Whether the node at hand cannot be better than the incumbent by more than the gap; it is closed then."""
+    numbers = state[1]
+    if numbers[BOUND] < worthwhile(numbers, settings[0]):
+        return False
+    numbers[FLOOR] = min(numbers[FLOOR], numbers[BOUND])
+    state[2][FATE] = CUT_OFF
     return True
 
 
@@ -242,6 +331,7 @@ def settle(data, box, w, bound, state, settings):
     if not offer(data, box, w, state, settings):
         return False
     numbers[FLOOR] = min(numbers[FLOOR], max(bound, numbers[BOUND]))
+    keep(state[12], state[10], state[2][DEPTH], w, state[11], BOUNDED)
     return True
 
 
@@ -262,11 +352,30 @@ def offer(data, box, w, state, settings):
 
 @compiled
 def look_around(data, box, w, state, settings):
-    """Guess words from a relaxed point: by its binaries, and by its drivers, which is tried first."""
-    for drive in (False, True):
-        inside = box[0].copy(), box[1].copy()
-        if follow(data[0], data[2], inside, w, data[4], drive, settings[2]):
-            note_word(inside[0][data[5]], state)
+    """Guess words from a relaxed point: by its drivers, which is tried first, and by its binaries.
+
+    What follows from the drivers is a point as well. Often it is as good as the best one with its word, and nothing
+    else has to be tried; that is what is looked at first.
+    """
+    inside, other = (box[0].copy(), box[1].copy()), (box[0].copy(), box[1].copy())
+    driven = follow(data[0], data[2], inside, w, data[4], True, settings[2])
+    if driven:
+        offer(data, inside, within(inside, w), state, settings)
+        if state[1][BOUND] >= worthwhile(state[1], settings[0]):
+            return
+    if follow(data[0], data[2], other, w, data[4], False, settings[2]):
+        note_word(other[0][data[5]], state)
+    if driven:
+        note_word(inside[0][data[5]], state)
+
+
+@compiled
+def within(box, w):
+    """The point of a box that is nearest to another."""
+    point = np.empty(len(w))
+    for j in range(len(w)):
+        point[j] = min(max(w[j], box[0][j]), box[1][j])
+    return point
 
 
 @compiled
@@ -290,31 +399,13 @@ def note_word(word, state):
 def split(data, tree, box, w, active, state, settings):
     """Open the two halves of a node, the nearer one to be looked at next."""
     counters = state[2]
-    j = branching_variable(box[0], box[1], w, data[5], data[6], settings[4])
+    wanted = worthwhile(state[1], settings[0]) - state[1][BOUND]
+    j = branching_variable(box[0], box[1], w, data[5], data[6], settings[4], state[9], wanted)
     if j < 0:  # the cost has left one word only
         j = data[5][0]
-        near = box[0][j]
+        push_again(tree, counters, box, state[1][BOUND], j, box[0][j], active, w, state[10])
     else:
         near = 1.0 if w[j] > 0.5 else 0.0
-        push(tree, counters, box, state[1][BOUND], j, 1.0 - near, active, w)
-    push(tree, counters, box, state[1][BOUND], j, near, active, w)
+        push(tree, counters, box, state[1][BOUND], j, 1.0 - near, active, w, state[10])
+        push(tree, counters, box, state[1][BOUND], j, near, active, w, state[10])
     counters[DIVE], counters[FATE] = 1, SPLIT
-
-
-@leaf
-def branching_variable(lb, ub, w, binaries, priorities, integrality):
-    """The binary of the lowest priority that is farthest from 0 and 1; integral ones only if there is no other."""
-    chosen, best, first = -1, -1.0, np.inf
-    integral = True
-    for i in range(len(binaries)):
-        j = binaries[i]
-        if lb[j] >= ub[j]:
-            continue
-        distance = min(abs(w[j]), abs(1.0 - w[j]))
-        settled = distance <= integrality
-        if settled and not integral:
-            continue
-        better = (integral and not settled) or priorities[i] < first or (priorities[i] == first and distance > best)
-        if better:
-            chosen, best, first, integral = j, distance, priorities[i], settled
-    return chosen

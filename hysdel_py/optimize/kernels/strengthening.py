@@ -9,6 +9,7 @@ from __future__ import annotations
 import numpy as np
 
 from hysdel_py.optimize.compiled import compiled, leaf
+from hysdel_py.optimize.kernels.cover import keep_open
 from hysdel_py.optimize.kernels.cutoff import narrow_by_cost
 from hysdel_py.optimize.kernels.guessing import queue_rows
 from hysdel_py.optimize.kernels.judging import FLOOR, OBJECTIVE, judge, worthwhile
@@ -50,11 +51,11 @@ def narrow(data, box, w, y, state, settings):
 
 
 @compiled
-def narrow_root(data, state, settings):
+def narrow_root(data, tree, state, settings):
     """Narrow the bounds of the whole problem after a better point was found; without a rest the search is over."""
-    counters, top = state[2], state[9]
+    top = state[13]
     if not narrow(data, state[6], top[0], top[1], state, settings):
-        give_up_rest(counters)
+        give_up_rest(tree, state)
 
 
 @compiled
@@ -69,35 +70,37 @@ def meet(box, other, columns, queued):
 @compiled
 def strengthen(data, tree, state, settings):
     """Probe the whole problem and solve its relaxation again, as long as that raises its bound by much."""
-    numbers, counters, root, top = state[1], state[2], state[6], state[9]
+    numbers, counters, root, top = state[1], state[2], state[6], state[13]
     counters[PROBING] *= PROBE_AGAIN
     before = -np.inf
     for _ in range(PROBES):
         left, _ = probe(data, root, settings[2])
         if not left:
-            return give_up_rest(counters)
+            return give_up_rest(tree, state)
         near = middle(root) if np.isnan(top[0][0]) else top[0]
         guess = state[7][: counters[ACTIVE]], near
         status, w, y, bound, _ = judge(data, root, guess, state, settings)
         if status == EMPTY:
-            return give_up_rest(counters)
+            return give_up_rest(tree, state)
         if bound >= worthwhile(numbers, settings[0]):
             numbers[FLOOR] = min(numbers[FLOOR], bound)
-            return give_up_rest(counters)
+            return give_up_rest(tree, state)
         if status != SOLVED:
             return None
         raise_bounds(tree, counters, bound)
         top[0][:], top[1][:] = w, y
-        narrow_root(data, state, settings)
+        narrow_root(data, tree, state, settings)
         if counters[OPEN] == 0 or not bound > before + WORTH_A_ROUND * abs(bound):
             return None
         before = bound
     return None
 
 
-@leaf
-def give_up_rest(counters):
+@compiled
+def give_up_rest(tree, state):
     """Close all that is open: there is nothing, or nothing better than the incumbent."""
+    counters = state[2]
+    keep_open(tree, counters, state[12])
     counters[OPEN] = counters[PENDING] = 0
 
 

@@ -1,8 +1,9 @@
 """The open nodes of a search in arrays, and which of them is looked at next.
 
-A tree is the tuple (lb, ub, bound, split, depth, active, used, order, near): per slot the box of the parent, its
+A tree is the tuple (lb, ub, bound, split, depth, active, used, order, near, ways): per slot the box of the parent, its
 certified bound, the binary that is fixed, its value and the number of the parent, the depth, the active inequalities of
-the parent's relaxation as numbers ``2 * row + side``, of which `used` count, and its solution. The first slots in
+the parent's relaxation as numbers ``2 * row + side``, of which `used` count, its solution, and the decisions on the way
+here as numbers ``2 * variable + value``, of which `depth` count. The first slots in
 `order` are the open ones in the order in which they were opened, the rest are free.
 """
 
@@ -23,23 +24,26 @@ __all__ = [
     "NODES",
     "OPEN",
     "PENDING",
+    "PLANTED",
     "PROBING",
     "SOLVES",
     "WAY",
     "WORDS",
     "least_open",
     "push",
+    "push_again",
     "take_next",
     "wished",
 ]
 
-OPEN, NODES, SOLVES, DIVE, DEPTH, WORDS, ACTIVE, PENDING, LAST, FATE, WAY = 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10
+OPEN, NODES, SOLVES, DIVE, DEPTH, WORDS, ACTIVE, PENDING, LAST, FATE = 0, 1, 2, 3, 4, 5, 6, 7, 8, 9
+WAY, PLANTED = 10, 13
 """Counters: open nodes, nodes visited, programs solved, whether the last node was split, its depth, words tried,
-active inequalities at the root, words to be tried, slot of the node at hand, what became of it, and its
-entries of `split`."""
-NARROWED, PROBING = 13, 14
+active inequalities at the root, words to be tried, slot of the node at hand, what became of it, its entries
+of `split`, and whether an earlier tree has been taken over."""
+NARROWED, PROBING = 14, 15
 """How often a box was narrowed by the cost, and the number of nodes after which the whole problem is probed."""
-COUNTERS = 15
+COUNTERS = 16
 """Their number."""
 
 
@@ -70,19 +74,32 @@ def least_open(bound, order, counters):
 
 
 @compiled
-def push(tree, counters, box, bound, variable, value, active, near):
-    """Open a node below the one that was visited last; there has to be a free slot."""
+def push(tree, counters, box, bound, variable, value, active, near, way):
+    """Open a node below the one that was visited last, whose decisions are `way`; there has to be a free slot."""
     slot = tree[7][counters[OPEN]]
     counters[OPEN] += 1
     tree[0][slot], tree[1][slot] = box
     tree[2][slot] = bound
     tree[3][slot, 0], tree[3][slot, 1], tree[3][slot, 2] = variable, value, counters[NODES]
-    tree[4][slot] = counters[DEPTH] + 1
+    depth = counters[DEPTH]
+    tree[4][slot] = depth + 1
+    tree[9][slot] = way
+    if variable >= 0 and depth >= 0:
+        tree[9][slot, depth] = 2 * variable + (1 if value > 0.5 else 0)
     count = min(len(active), tree[5].shape[1])
     for i in range(count):
         tree[5][slot, i] = 2 * active[i, 0] + (1 if active[i, 1] > 0 else 0)
     tree[6][slot] = count
     tree[8][slot] = near
+
+
+@compiled
+def push_again(tree, counters, box, bound, variable, value, active, near, way):
+    """Open the node at hand once more, with a smaller box that leaves no choice; no decision is added to its way."""
+    counters[DEPTH] -= 1
+    push(tree, counters, box, bound, variable, value, active, near, way)
+    counters[DEPTH] += 1
+    tree[9][tree[7][counters[OPEN] - 1]] = way
 
 
 @compiled
