@@ -4,13 +4,13 @@
     python benchmarks/loops.py --cases clutch --horizons 5 10 15 20 25 30 --budget 300 --plot growth.png
     python benchmarks/loops.py --json loops.json --plot docs/pictures/loops.png
 
-At each step all solvers get the same mixed-integer program, one after the other, on one thread, with the same gap. The
-input of our warm engine moves the plant. Times are processor times, so that other work on the machine counts little;
-peers are timed without the building of their models, ours with everything that a call does. The engine with a limit of
-time reads the clock for it. A solver that is not installed, or whose edition is too small for a program, is named.
-`--budget` is parted evenly among the loops, and what one leaves over goes to the next; a loop that has used its share
-ends there, after one step at the earliest, and a solver that has used a quarter of it is not asked about the remaining
-steps.
+Our warm engine runs the loop, and its inputs move the plant. Then each of the others answers the same mixed-integer
+programs, in their order, on one thread, with the same gap: each solver works alone, as in a controller of its own, with
+the caches of the processor to itself. Times are processor times, so that other work on the machine counts little; peers
+are timed without the building of their models, ours with everything that a call does. The engine with a limit of time
+reads the clock for it. A solver that is not installed, or whose edition is too small for a program, is named.
+`--budget` is parted evenly among the loops, and what one leaves over goes to the next; each solver has an equal part of
+the share of a loop and is not asked about the steps that are left when it has used it, after one step at the earliest.
 The exit status is 1 if two solvers proved optima that differ by more than the gap.
 """
 
@@ -37,10 +37,11 @@ GAP = 1e-4
 SMALL_COST = peers.GAP_ABS / GAP
 """Below this cost the absolute gap is the larger one."""
 DRIVER = "warm"
-QUARTER = 0.25
 
 Vector = NDArray[np.float64]
 Ask = Callable[[Vector, Any], Answer]
+Step = tuple[Vector, Any]
+"""State and references."""
 
 
 @dataclass(slots=True)
@@ -73,31 +74,61 @@ def run_loop(case: LoopCase, horizon: int, options: argparse.Namespace, share: f
     qp = driver.problem(case.first(), case.reference(0)).qp
     loop = Loop(case.name, horizon, qp.n, qp.m, len(driver.formulation.binaries))
     solvers = _solvers(case, driver, horizon, options, loop)
+    allowed = share / (1 + len(solvers))
+    steps = _drive(case, driver, loop, min(case.steps, options.steps), allowed)
+    for name, solver in solvers.items():
+        _answer_all(name, solver, steps, loop, allowed)
+    return loop
+
+
+def _drive(case: LoopCase, driver: hys.HybridMpc, loop: Loop, most: int, allowed: float) -> list[Step]:
+    """Run the loop with our warm engine; the steps that the others are asked about."""
+    steps: list[Step] = []
     begin, x = time.perf_counter(), case.first()
-    for k in range(min(case.steps, options.steps)):
+    for k in range(most):
         if case.is_over(x):
             loop.ended = f"goal reached after {k} steps"
             break
-        if k and time.perf_counter() - begin > share:
+        if k and time.perf_counter() - begin > allowed:
             loop.ended = f"its share of the time was over after {k} of {case.steps} steps"
             break
-        _drop_slow(solvers, loop, QUARTER * share)
-        u = _step(solvers, loop, x, case.reference(k))
-        if u is None:
+        steps.append((x, case.reference(k)))
+        start = time.process_time()
+        move = driver.solve(x, case.reference(k))
+        loop.answers.setdefault(DRIVER, []).append(_answer(move, time.process_time() - start))
+        if move.u is None:
             loop.ended = f"no input at step {k}"
             break
-        x = case.advance(x, u)
+        x = case.advance(x, move.u)
     loop.last_state = x.tolist()
-    return loop
+    return steps
+
+
+def _answer_all(name: str, solver: Any, steps: list[Step], loop: Loop, allowed: float) -> None:
+    """Let one solver answer the steps in turn, until its time is over."""
+    begin = time.perf_counter()
+    for k, (x, ref) in enumerate(steps):
+        if k and time.perf_counter() - begin > allowed:
+            break
+        if isinstance(solver, hys.HybridMpc):
+            start = time.process_time()
+            move = solver.solve(x, ref, warm=name != "cold")
+            answer = _answer(move, time.process_time() - start)
+        else:
+            try:
+                answer = solver(x, ref)
+            except TooLarge:
+                loop.left_out[name] = "not run: size limit"
+                break
+        loop.answers.setdefault(name, []).append(answer)
 
 
 def _solvers(
     case: LoopCase, driver: hys.HybridMpc, horizon: int, options: argparse.Namespace, loop: Loop
 ) -> dict[str, Any]:
-    """The driver, other controllers with the same problem, and the peers that can be asked."""
+    """Other controllers with the same problem, and the peers that can be asked."""
     search = {"gap_rel": GAP, "gap_abs": peers.GAP_ABS}
     ours: dict[str, Any] = {
-        DRIVER: driver,
         "cold": case.controller(horizon, time_limit=options.seconds, **search),
         "limited": case.controller(horizon, node_limit=options.node_limit, time_limit=options.seconds, **search),
         "timed": case.controller(horizon, time_limit=1e-3 * options.time_limit, **search),
@@ -114,32 +145,6 @@ def _solvers(
 
 def _peer(solve: peers.Solve, driver: hys.HybridMpc, seconds: float) -> Ask:
     return lambda x, ref: solve(driver.problem(x, ref), GAP, seconds)
-
-
-def _drop_slow(solvers: dict[str, Any], loop: Loop, allowed: float) -> None:
-    """Ask no further those that have used their part of the time; the driver moves the plant to the end."""
-    for name in [n for n, a in loop.answers.items() if sum(answer.seconds for answer in a) > allowed and n != DRIVER]:
-        solvers.pop(name, None)
-
-
-def _step(solvers: dict[str, Any], loop: Loop, x: Vector, ref: Any) -> Vector | None:
-    """Ask all solvers about one state; the input of the driver."""
-    u: Vector | None = None
-    for name, solver in list(solvers.items()):
-        if isinstance(solver, hys.HybridMpc):
-            begin = time.process_time()
-            move = solver.solve(x, ref, warm=name != "cold")
-            answer = _answer(move, time.process_time() - begin)
-            u = move.u if name == DRIVER else u
-        else:
-            try:
-                answer = solver(x, ref)
-            except TooLarge:
-                loop.left_out[name] = "not run: size limit"
-                del solvers[name]
-                continue
-        loop.answers.setdefault(name, []).append(answer)
-    return u
 
 
 def _answer(move: hys.Move, seconds: float) -> Answer:
