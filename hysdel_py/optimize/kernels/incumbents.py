@@ -1,0 +1,89 @@
+"""Incumbents of the compiled search: words of binaries that are guessed, and points that are better than the best one.
+
+`data`, `state` and `settings` are those of :func:`hysdel_py.optimize.kernels.search.run`.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from hysdel_py.optimize.compiled import compiled
+from hysdel_py.optimize.kernels.certificate import excess
+from hysdel_py.optimize.kernels.guessing import fix_word, follow
+from hysdel_py.optimize.kernels.judging import BOUND, OBJECTIVE, worthwhile
+from hysdel_py.optimize.kernels.node import value_at
+from hysdel_py.optimize.kernels.tree import PENDING, WORDS
+
+__all__ = ["look_around", "note_word", "offer", "take_word", "within"]
+
+MODULUS = 2**61 - 1
+"""Words of binaries are told apart by their values as numbers modulo this."""
+
+
+@compiled
+def offer(data, box, w, state, settings):
+    """Make a point with the binaries of a box the incumbent if it is better; False if it breaks a row."""
+    problem, wide, binaries, known = data[0], data[3], data[5], data[7]
+    for i in range(len(binaries)):
+        w[binaries[i]] = box[0][binaries[i]]
+    if not excess(problem, wide, w) <= settings[3]:
+        return False
+    value = value_at(problem, w) + known[0]
+    if value < state[1][OBJECTIVE]:
+        state[0][:] = w
+        state[1][OBJECTIVE] = value
+    return True
+
+
+@compiled
+def look_around(data, box, w, state, settings):
+    """Guess words from a relaxed point: by its drivers, which is tried first, and by its binaries.
+
+    What follows from the drivers is a point as well. Often it is as good as the best one with its word, and nothing
+    else has to be tried; that is what is looked at first.
+    """
+    inside, other = (box[0].copy(), box[1].copy()), (box[0].copy(), box[1].copy())
+    driven = follow(data[0], data[2], inside, w, data[4], True, settings[2])
+    if driven:
+        offer(data, inside, within(inside, w), state, settings)
+        if state[1][BOUND] >= worthwhile(state[1], settings[0]):
+            return
+    if follow(data[0], data[2], other, w, data[4], False, settings[2]):
+        note_word(other[0][data[5]], state)
+    if driven:
+        note_word(inside[0][data[5]], state)
+
+
+@compiled
+def within(box, w):
+    """The point of a box that is nearest to another."""
+    point = np.empty(len(w))
+    for j in range(len(w)):
+        point[j] = min(max(w[j], box[0][j]), box[1][j])
+    return point
+
+
+@compiled
+def take_word(data, state, settings):
+    """Fix the next word to be tried, within the bounds of the whole problem; False if the rows object."""
+    counters, box = state[2], state[3]
+    counters[PENDING] -= 1
+    box[0][:], box[1][:] = state[6]
+    return fix_word(data[0], data[2], box, data[5], state[8][counters[PENDING]], settings[2])
+
+
+@compiled
+def note_word(word, state):
+    """Put a word on the list of those to be tried, unless it was there before."""
+    counters, words = state[2], state[5]
+    code = 0
+    for i in range(len(word)):
+        code = (2 * code + (1 if word[i] > 0.5 else 0)) % MODULUS
+    for i in range(min(counters[WORDS], len(words))):
+        if words[i] == code:
+            return
+    words[counters[WORDS] % len(words)] = code
+    counters[WORDS] += 1
+    if counters[PENDING] < len(state[8]):
+        state[8][counters[PENDING]] = word
+        counters[PENDING] += 1
