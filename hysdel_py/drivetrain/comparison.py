@@ -247,9 +247,8 @@ def convergence_orders(case: str, steps: tuple[float, ...] = _ORDER_STEPS) -> di
     for name, scheme in FIXED.items():
         runs = [plant.simulate(START, UNTIL, _with_step(scheme, dt), sample=max(steps)) for dt in steps]
         errors = np.array([mean_error(run, exact) for run in runs])
-        finite = np.isfinite(errors) & np.array(
-            [not run.info.get("failures") for run in runs]
-        )  # diverged iterations tell nothing
+        converged = np.array([not run.info.get("failures") for run in runs])  # diverged iterations tell nothing
+        finite = np.isfinite(errors) & converged
         orders[name] = (
             float(np.polyfit(np.log(np.array(steps)[finite]), np.log(errors[finite]), 1)[0])
             if np.count_nonzero(finite) > 1
