@@ -79,8 +79,8 @@ def effective_inertia(plant: Plant, theta: float, dt: float) -> Matrix:
     """
     if not np.allclose(plant.D, plant.D.T, rtol=_SYMMETRY, atol=0.0):
         raise ArgumentError(
-            "D is not symmetric: schemes with theta need a symmetric one; take hys.Moreau(theta=None), hys.EventDriven() "
-            "or hys.Exact()"
+            "D is not symmetric: schemes with theta need a symmetric one; take hys.EventDriven(), hys.Exact() or "
+            "hys.Moreau(theta=None)"
         )
     stiffness: Matrix = multiplier(plant.B.T)(plant.B * plant.k)
     return plant.M + theta * dt * plant.D + (theta * dt) ** 2 * stiffness
