@@ -109,3 +109,17 @@ def test_given_speeds_that_contradict_each_other_on_a_long_chain():
     np.testing.assert_allclose(run.speeds[-1, :40], 2.0, atol=1e-9)
     np.testing.assert_allclose(run.torques[-1], 5.0, atol=1e-6)
     assert run.modes[-1] == "s" * 40 + "+"
+
+
+@pytest.mark.parametrize("scheme", [hys.Exact(), hys.EventDriven()], ids=str)
+def test_the_weaker_of_two_clutches_may_reach_its_limit_while_both_stick(scheme):
+    line = hys.Drivetrain(
+        hys.Inertia("a", 1), hys.Inertia("b", 1), hys.Clutch("strong", "a", "b", 10), hys.Clutch("weak", "a", "b", 4),
+        hys.TorqueSource("T", "a", [(0, 0), (1, 36)]),
+    )  # fmt: skip
+    run = line.simulate({"a": 0, "b": 0}, 1.0, scheme, sample=0.01)
+    assert run.t[-1] == 1.0
+    held = run.t < 0.77
+    np.testing.assert_allclose(run.torques[held].sum(axis=1), 18 * run.t[held], atol=1e-9)
+    assert run.events[-1].time == pytest.approx(28 / 36, abs=1e-6)  # both at their limits, 14 together
+    np.testing.assert_allclose(run["a"][-1] - run["b"][-1], 18 * (1 - 28 / 36) ** 2, atol=1e-9)
