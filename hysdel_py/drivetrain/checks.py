@@ -18,6 +18,9 @@ __all__ = ["check_columns", "check_directions", "check_mass", "check_number", "i
 
 Matrix = NDArray[np.float64]
 
+_CLEARLY = 100.0
+"""Times the least eigenvalue from which rounding cannot hide a smaller one."""
+
 
 def is_number(value: Any) -> bool:
     """Whether a value is a finite real number, of Python or of numpy, and no truth value."""
@@ -73,7 +76,7 @@ def check_mass(M: Matrix, names: Sequence[str]) -> None:
     size = np.sqrt(np.maximum(np.diag(M), np.finfo(float).tiny))
     scaled = M / np.outer(size, size)  # in units in which every shaft that moves weighs 1
     least = len(M) * np.finfo(float).eps
-    if _exceeds(scaled, least):
+    if _exceeds(scaled, _CLEARLY * least):
         return
     values, vectors = np.linalg.eigh(scaled)
     if len(M) and values[0] <= least:

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
-from math import inf
+from math import inf, nan
 from time import process_time
 from typing import Any
 
@@ -31,6 +31,7 @@ from hysdel_py.drivetrain.schemes.options import (
     WaitState,
 )
 from hysdel_py.drivetrain.trajectory import DrivetrainTrajectory
+from hysdel_py.errors import SimulationError
 
 __all__ = ["BASE", "FIXED", "PAIRS", "VARIABLE", "Comparison", "Pair", "Row", "compare", "convergence_orders"]
 
@@ -180,9 +181,11 @@ def compare(
     ------
     ArgumentError
         There is no such case.
+    SimulationError
+        The exact solution that all are compared with ends early.
     """
     plant = dual_clutch(case)
-    exact = plant.simulate(START, UNTIL, Exact(), sample=_SAMPLE)
+    exact = _reference(plant, _SAMPLE)
     jobs: list[tuple[str, Scheme, float | None]] = [
         (name, _with_step(scheme, dt), dt) for dt in steps for name, scheme in FIXED.items()
     ]
@@ -202,6 +205,14 @@ def compare(
         if (a, dt) in found
     )
     return Comparison(case, rows, pairs, convergence_orders(case) if orders else {})
+
+
+def _reference(plant: Drivetrain, sample: float) -> DrivetrainTrajectory:
+    """The exact solution, up to the end."""
+    run = plant.simulate(START, UNTIL, Exact(), sample=sample)
+    if run.t[-1] < UNTIL:
+        raise SimulationError((f"there is nothing to compare with: in the exact solution {run.messages[0]}",))
+    return run
 
 
 def _with_step(scheme: Scheme, dt: float) -> Scheme:
@@ -235,21 +246,22 @@ def _timed(plant: Drivetrain, scheme: Scheme, repeats: int) -> tuple[DrivetrainT
 
 
 def mean_error(run: DrivetrainTrajectory, other: DrivetrainTrajectory) -> float:
-    """Mean over time and over the four speeds of the absolute difference [rad/s]."""
+    """Mean over time and over the four speeds of the absolute difference [rad/s]; NaN where a run ended early."""
+    if len(run.t) != len(other.t):
+        return nan
     return float(np.mean([np.abs(run[name] - other[name]) for name in SHAFTS]))
 
 
 def convergence_orders(case: str, steps: tuple[float, ...] = _ORDER_STEPS) -> dict[str, float]:
     """Slope of log error over log step by least squares, for each method with fixed steps."""
     plant = dual_clutch(case)
-    exact = plant.simulate(START, UNTIL, Exact(), sample=max(steps))
+    exact = _reference(plant, max(steps))
     orders = {}
     for name, scheme in FIXED.items():
         runs = [plant.simulate(START, UNTIL, _with_step(scheme, dt), sample=max(steps)) for dt in steps]
         errors = np.array([mean_error(run, exact) for run in runs])
-        finite = np.isfinite(errors) & np.array(
-            [not run.info.get("failures") for run in runs]
-        )  # diverged iterations tell nothing
+        converged = np.array([not run.info.get("failures") for run in runs])  # diverged iterations tell nothing
+        finite = np.isfinite(errors) & converged
         orders[name] = (
             float(np.polyfit(np.log(np.array(steps)[finite]), np.log(errors[finite]), 1)[0])
             if np.count_nonzero(finite) > 1

@@ -28,7 +28,7 @@ from hysdel_py.errors import ArgumentError
 from hysdel_py.optimize.lcp.problem import Lcp, LcpResult, LcpSettings
 from hysdel_py.optimize.lcp.solve import LcpMethod, solve_problem
 
-__all__ = ["ContactSolver", "friction_lcp", "torques_from"]
+__all__ = ["ContactSolver", "friction_lcp", "independent_contacts", "torques_from"]
 
 Matrix = NDArray[np.float64]
 
@@ -169,6 +169,18 @@ def _compressed(M: Matrix) -> Any:
     from scipy.sparse import csr_array
 
     return csr_array(M)
+
+
+def independent_contacts(G: Matrix, index: NDArray[np.int64]) -> NDArray[np.int64]:
+    """The contacts in `index` without those whose slips depend on contacts before them."""
+    if len(index) == 0 or not _is_redundant(G[np.ix_(index, index)]):
+        return index
+    kept: list[int] = []
+    for i in index.tolist():
+        rest = G[i, i] - G[i, kept] @ np.linalg.solve(G[np.ix_(kept, kept)], G[kept, i])
+        if rest > DEPENDENT * G[i, i]:
+            kept.append(i)
+    return np.array(kept, dtype=np.int64)
 
 
 def _is_redundant(G: Matrix) -> bool:

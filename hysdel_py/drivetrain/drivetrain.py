@@ -125,7 +125,7 @@ class Drivetrain:
             Torque per unit of friction coefficient.
         force : sequence of n signals, optional
         D : array of shape (n, n), optional
-            Damping.
+            Damping. One that is not symmetric is refused by schemes with theta, which most time-stepping schemes are.
         B : array of shape (n, m), optional
             Directions of the springs.
         k : array of shape (m,), optional

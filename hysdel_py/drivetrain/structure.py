@@ -31,7 +31,7 @@ WIDEST_BAND = 16
 def delassus_of(N: Matrix, W: Matrix) -> Delassus:
     """The operator ``W' N^-1 W`` of an inertia matrix N, shape (n, n), and directions of contacts W, shape (n, nc)."""
     rows = rows_of(W.T)
-    symmetric = np.array_equal(N, N.T)  # gyroscopic damping is not
+    symmetric = np.array_equal(N, N.T)  # to the last bit, as the band is of one half
     if symmetric and W.shape[1] and len(N) + W.shape[1] >= SMALLEST_BAND:
         speeds, contacts = _places(N, rows)
         half = _half_bandwidth(N, rows, speeds, contacts)

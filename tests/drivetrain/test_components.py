@@ -81,7 +81,7 @@ def test_vehicle_coasts_down_as_the_formula_says():
         assert 0.3 * run["car"][-1] == pytest.approx(expected, abs=tolerance)
     run = line.simulate({"car": v0 / 0.3}, 1.1 * stop, hys.EventDriven(max_step=1.0))
     assert run.events[-1].time == pytest.approx(stop, abs=1e-6)
-    assert run["car"][-1] == 0.0
+    assert abs(run["car"][-1]) < 1e-15  # the speed at the located event, projected: rounding of rounding
 
 
 def test_one_way_clutch_drives_and_lets_run_ahead():

@@ -84,3 +84,42 @@ def test_two_brakes_and_a_clutch_between_them():
     run = line.simulate({"a": 0, "b": 0}, 0.1, hys.Moreau(dt=1e-2))
     assert run.undetermined[-1].all()
     assert run["left.torque"][-1] + run["right.torque"][-1] == pytest.approx(4.0)
+
+
+@pytest.mark.parametrize("scheme", SCHEMES, ids=str)
+@pytest.mark.parametrize(("clutch", "brake", "end", "mode"), [(5, 10, 0.0, "+s"), (10, 5, 2.0, "s+")])
+@pytest.mark.parametrize("start", [0.0, 2.0])
+def test_given_speeds_that_contradict_each_other_are_decided_by_the_stronger(scheme, clutch, brake, end, mode, start):
+    """A brake and a clutch to a given speed on one shaft cannot both stick: the weaker one slips at its limit."""
+    line = hys.Drivetrain(
+        hys.Inertia("a", 1.0), hys.SpeedSource("s", 2.0), hys.Clutch("c", "s", "a", clutch), hys.Brake("b", "a", brake)
+    )  # fmt: skip
+    run = line.simulate({"a": start}, 0.5, scheme, sample=0.1)
+    assert run["a"][-1] == pytest.approx(end, abs=0.2)  # within the bands of those that have one
+    np.testing.assert_allclose(run.torques[-1], [5.0, 5.0], atol=0.05)
+    assert run.modes[-1] == mode
+    assert run.messages == ()
+
+
+def test_given_speeds_that_contradict_each_other_on_a_long_chain():
+    parts = [hys.Inertia(f"J{i}", 1.0) for i in range(40)]
+    parts += [hys.Clutch(f"c{i}", f"J{i}", f"J{i + 1}", 50.0) for i in range(39)]
+    ends = [hys.SpeedSource("s", 2.0), hys.Clutch("drive", "s", "J0", 10), hys.Brake("hold", "J39", 5)]
+    run = hys.Drivetrain(*parts, *ends).simulate(np.full(40, 2.0), 0.5)
+    np.testing.assert_allclose(run.speeds[-1, :40], 2.0, atol=1e-9)
+    np.testing.assert_allclose(run.torques[-1], 5.0, atol=1e-6)
+    assert run.modes[-1] == "s" * 40 + "+"
+
+
+@pytest.mark.parametrize("scheme", [hys.Exact(), hys.EventDriven()], ids=str)
+def test_the_weaker_of_two_clutches_may_reach_its_limit_while_both_stick(scheme):
+    line = hys.Drivetrain(
+        hys.Inertia("a", 1), hys.Inertia("b", 1), hys.Clutch("strong", "a", "b", 10), hys.Clutch("weak", "a", "b", 4),
+        hys.TorqueSource("T", "a", [(0, 0), (1, 36)]),
+    )  # fmt: skip
+    run = line.simulate({"a": 0, "b": 0}, 1.0, scheme, sample=0.01)
+    assert run.t[-1] == 1.0
+    held = run.t < 0.77
+    np.testing.assert_allclose(run.torques[held].sum(axis=1), 18 * run.t[held], atol=1e-9)
+    assert run.events[-1].time == pytest.approx(28 / 36, abs=1e-6)  # both at their limits, 14 together
+    np.testing.assert_allclose(run["a"][-1] - run["b"][-1], 18 * (1 - 28 / 36) ** 2, atol=1e-9)

@@ -4,9 +4,10 @@
 
 Its optimality conditions are the friction law: with the slip ``g = G P + c``, g = 0 where P is inside, g >= 0 where it
 is at its lower limit, g <= 0 where it is at its upper one. The primal method changes one contact at a time; the
-objective falls with every change, so it ends, and a free contact that depends on other free ones keeps its value, which
-makes singular G harmless. Large plants first let all contacts change together: that mostly settles in a few rounds,
-where one after the other would take one system for each contact that changes.
+objective falls with every change, so it ends. A free contact that depends on other free ones keeps its value, which
+makes singular G harmless; where given speeds contradict each other, so that these cannot all stick, the objective falls
+along a line, which they follow until one reaches a limit. Large plants first let all contacts change together: that
+mostly settles in a few rounds, where one after the other would take one system for each contact that changes.
 
 Sources: P. B. Stark and R. L. Parker, "Bounded-variable least-squares: an algorithm and applications", Computational
 Statistics 10, 1995; M. Hintermueller, K. Ito and K. Kunisch, "The primal-dual active set strategy as a semismooth
@@ -24,6 +25,9 @@ __all__ = ["free_step", "solve_box"]
 
 ROUNDING = 1e-13
 """A slip below this share of the terms that it is the sum of is zero."""
+
+CONTRADICTION = 1e-9
+"""A free contact whose slip stays above this share of its terms, though it depends on other free ones, cannot stick."""
 
 ROUNDS = 12
 """Rounds in which all contacts change together, before one at a time does."""
@@ -56,6 +60,8 @@ def solve_box(G, c, lo, hi, P):
         while move_free(G, c, lo, hi, P, free):
             solves += 1
         solves += 1
+        if resolve_contradiction(G, c, lo, hi, P, free):
+            continue
         worst = most_violated(G, c, lo, hi, P, free)
         if worst < 0:
             return solves
@@ -70,7 +76,7 @@ def change_together(G, c, lo, hi, P, free):
         P += band_step(G, slips(G, c, P), free)[1]
         released = release(G, c, lo, hi, P, free)
         if not cut_free(lo, hi, P, free) and not released:
-            return done, True
+            return done, contradicted(G, c, P, free) < 0
     return ROUNDS, False
 
 
@@ -125,12 +131,16 @@ def most_violated(G, c, lo, hi, P, free):
 def move_free(G, c, lo, hi, P, free):
     """Move the free contacts towards zero slip; true if a limit stopped them, which one of them then keeps."""
     index = np.flatnonzero(free)
-    step = free_step(G, c, P, index)
-    share = 1.0
+    return stopped_by_limit(lo, hi, P, free, index, free_step(G, c, P, index), 1.0)
+
+
+@compiled
+def stopped_by_limit(lo, hi, P, free, index, step, share):
+    """Move contacts by at most a share of a step; true if a limit stopped them, which one of them then keeps."""
     stopped = -1
     for a in range(len(index)):
         i = index[a]
-        target = P[i] + step[a]
+        target = P[i] + share * step[a]
         room = share
         if target < lo[i]:
             room = (lo[i] - P[i]) / step[a]
@@ -148,6 +158,40 @@ def move_free(G, c, lo, hi, P, free):
     nearer_low = abs(P[stopped] - lo[stopped]) < abs(P[stopped] - hi[stopped])
     P[stopped] = lo[stopped] if nearer_low else hi[stopped]
     return True
+
+
+@compiled
+def contradicted(G, c, P, free):
+    """The free contact whose slip is farthest from zero, as a share of its terms, or -1."""
+    worst, value = -1, CONTRADICTION
+    slip, size = slips(G, c, P), np.zeros(0)
+    for i in range(len(c)):
+        if not free[i] or abs(slip[i]) <= value * abs(c[i]):
+            continue
+        if len(size) == 0:
+            size = magnitudes(G, c, P)
+        if abs(slip[i]) > value * size[i]:
+            value = abs(slip[i]) / size[i]
+            worst = i
+    return worst
+
+
+@compiled
+def resolve_contradiction(G, c, lo, hi, P, free):
+    """Move free contacts that cannot all stick, without a change of any slip, until one is at a limit.
+
+    True if there were any.
+    """
+    worst = contradicted(G, c, P, free)
+    if worst < 0:
+        return False
+    index, nothing, unit = np.flatnonzero(free), np.zeros(len(P)), np.zeros(len(P))
+    unit[worst] = -1.0 if slips(G, c, P)[worst] > 0.0 else 1.0
+    step = unit[index] + free_step(G, slips(G, nothing, unit), nothing, index)
+    if abs(step[np.searchsorted(index, worst)]) < 0.5:
+        return False  # it does not depend on others: its slip is rounding
+    far = np.max(hi[index] - lo[index]) / np.max(np.abs(step))
+    return stopped_by_limit(lo, hi, P, free, index, step, 2.0 * far)
 
 
 @compiled

@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.linalg import expm
 
-from hysdel_py.drivetrain.decomposition import ContactSolver
+from hysdel_py.drivetrain.decomposition import ContactSolver, independent_contacts
 from hysdel_py.drivetrain.equations import Equations
 from hysdel_py.drivetrain.kernels.arrays import Plant
 from hysdel_py.drivetrain.kernels.time_stepping import NEGATIVE, POSITIVE, STICK
@@ -146,11 +146,11 @@ def _linear_mode(plant: Plant, segment: Segment, modes: Modes) -> _Linear:
     friction = np.where(sticks, plant.laws[:, 0], plant.laws[:, 1])
     lower, upper = ((plant.side[:, i] * friction)[:, None] * pressure for i in (0, 1))
     torque = np.where((modes == POSITIVE)[:, None], lower, np.where((modes == NEGATIVE)[:, None], upper, 0.0))
-    index = np.flatnonzero(sticks)
+    index = independent_contacts(plant.G, np.flatnonzero(sticks))  # others carry nothing, as in the choice of modes
     if len(index):
         free = plant.W[:, index].T @ plant.Minv @ (h + plant.W @ torque)
         free[:, -2] += segment.base.slip_rate[index]
-        torque[index] = -np.linalg.lstsq(plant.G[np.ix_(index, index)], free, rcond=1e-12)[0]
+        torque[index] = -np.linalg.solve(plant.G[np.ix_(index, index)], free)
     A = np.zeros((size, size))
     A[:n] = plant.Minv @ (h + plant.W @ torque)
     A[n : n + m, :n] = plant.B.T

@@ -17,7 +17,7 @@ from hysdel_py.drivetrain.kernels.arrays import Plant
 from hysdel_py.drivetrain.schemes.segments import Segment
 from hysdel_py.drivetrain.structure import SMALLEST_BAND
 
-__all__ = ["jacobian_of"]
+__all__ = ["jacobian_of", "limits_at"]
 
 Matrix = NDArray[np.float64]
 
@@ -49,13 +49,19 @@ def jacobian_of(plant: Plant, segment: Segment, steepness: float) -> Callable[[f
 
 def _slopes(plant: Plant, segment: Segment, steepness: float, t: float, u: Matrix) -> Matrix:
     """Derivatives of the torques lambda by the slips."""
-    inputs, law = segment.at(t), plant.laws
+    inputs = segment.at(t)
     slip = u @ plant.W + inputs.slip
-    decay = np.exp(-((np.abs(slip) / np.where(law[:, 2] > 0, law[:, 2], 1.0)) ** law[:, 3]))
-    friction = np.where(law[:, 2] > 0, law[:, 1] + (law[:, 0] - law[:, 1]) * decay, law[:, 1])
-    width = (plant.side[:, 1] - plant.side[:, 0]) * friction * inputs.pressure
-    slope: Matrix = -width / np.pi * steepness / (1.0 + (steepness * slip) ** 2)
+    lower, upper = limits_at(plant, inputs.pressure, slip)
+    slope: Matrix = -(upper - lower) / np.pi * steepness / (1.0 + (steepness * slip) ** 2)
     return slope
+
+
+def limits_at(plant: Plant, pressure: Matrix, slip: Matrix) -> tuple[Matrix, Matrix]:
+    """Lower and upper limits of lambda for sliding contacts, arrays of shape (..., nc)."""
+    static, dynamic, speed, exponent = plant.laws.T
+    decay = np.exp(-((np.abs(slip) / np.where(speed > 0, speed, 1.0)) ** exponent))
+    capacity = np.where(speed > 0, dynamic + (static - dynamic) * decay, dynamic) * pressure
+    return plant.side[:, 0] * capacity, plant.side[:, 1] * capacity
 
 
 def _compressed(block: Matrix) -> Any:

@@ -15,7 +15,7 @@ from hysdel_py.drivetrain.recording import trajectory_of
 from hysdel_py.drivetrain.schemes.grid import sample_times
 from hysdel_py.drivetrain.schemes.options import Smoothing, describe
 from hysdel_py.drivetrain.schemes.segments import Segment, segments
-from hysdel_py.drivetrain.schemes.smooth_jacobian import jacobian_of
+from hysdel_py.drivetrain.schemes.smooth_jacobian import jacobian_of, limits_at
 from hysdel_py.drivetrain.trajectory import DrivetrainTrajectory
 
 __all__ = ["integrate"]
@@ -97,10 +97,7 @@ def _record(equations: Equations, plant: Plant, t: Matrix, Z: Matrix, steepness:
     n, m = len(plant.M), len(plant.k)
     inputs = equations.inputs(t)
     slip = Z[:, :n] @ plant.W + inputs.slip
-    speed, law = np.abs(slip), plant.laws
-    decay = np.exp(-((speed / np.where(law[:, 2] > 0, law[:, 2], 1.0)) ** law[:, 3]))
-    friction = np.where(law[:, 2] > 0, law[:, 1] + (law[:, 0] - law[:, 1]) * decay, law[:, 1])
-    lower, upper = (plant.side[:, i] * friction * inputs.pressure for i in (0, 1))
+    lower, upper = limits_at(plant, inputs.pressure, slip)
     torque = 0.5 * (upper + lower) - (upper - lower) / np.pi * np.arctan(steepness * slip)
     modes = np.where(upper <= lower, 2, np.where(slip > 0, 1, -1)).astype(np.int64)
     return Record(

@@ -17,6 +17,7 @@ from hysdel_py.drivetrain.schemes.grid import Grid, grid
 from hysdel_py.drivetrain.schemes.options import AugmentedLagrangian, Moreau, describe
 from hysdel_py.drivetrain.structure import delassus_of, dense_delassus, inverse_of, multiplier
 from hysdel_py.drivetrain.trajectory import DrivetrainTrajectory
+from hysdel_py.errors import ArgumentError
 
 __all__ = ["ACTIVE_SET", "effective_delassus", "effective_inverse", "first_modes", "integrate", "weights_of"]
 
@@ -24,6 +25,9 @@ Matrix = NDArray[np.float64]
 
 ACTIVE_SET = (0.0, 0.0, 0.0, 0.0)
 """The active-set solver, in the form in which the kernels take a solver."""
+
+_SYMMETRY = 1e-12
+"""Share by which entries of a symmetric matrix may differ."""
 
 
 def integrate(
@@ -66,7 +70,18 @@ def _solver(scheme: Moreau | AugmentedLagrangian) -> tuple[float, float, float, 
 
 
 def effective_inertia(plant: Plant, theta: float, dt: float) -> Matrix:
-    """The mass matrix with damping and stiffness, in which the theta scheme is implicit."""
+    """The mass matrix with damping and stiffness, in which the theta scheme is implicit.
+
+    Raises
+    ------
+    ArgumentError
+        The damping matrix is not symmetric: then this is no inertia, and contact problems are no programs.
+    """
+    if not np.allclose(plant.D, plant.D.T, rtol=_SYMMETRY, atol=0.0):
+        raise ArgumentError(
+            "D is not symmetric: schemes with theta need a symmetric one; take hys.EventDriven(), hys.Exact() or "
+            "hys.Moreau(theta=None)"
+        )
     stiffness: Matrix = multiplier(plant.B.T)(plant.B * plant.k)
     return plant.M + theta * dt * plant.D + (theta * dt) ** 2 * stiffness
 

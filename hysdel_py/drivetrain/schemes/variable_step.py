@@ -46,6 +46,7 @@ class _Run:
     e: Matrix
     modes: Modes
     dt: float
+    frequency: float
     rows: list[_Row] = field(default_factory=list)
     works: Matrix = field(default_factory=lambda: np.zeros(3))
     steps: int = 0
@@ -74,7 +75,7 @@ def integrate(
     first = equations.inputs(np.zeros(1))
     slip = u @ plant.W + first.slip[0]
     modes = np.sign(np.where(np.abs(slip) <= 1e-12 * (1 + np.abs(u) @ np.abs(plant.W)), 0.0, slip)).astype(np.int64)
-    state = _Run(plant, scheme, 0.0, u, e, modes, scheme.dt)
+    state = _Run(plant, scheme, 0.0, u, e, modes, scheme.dt, _frequency(plant))
     zero = np.zeros(len(modes))
     state.rows.append((0.0, u, e, zero, zero, zero, np.where(first.pressure[0] > 0, modes, OPEN), state.works))
     for segment in segments(equations, until):
@@ -129,7 +130,7 @@ def _attempt(state: _Run, segment: Segment, dt: float) -> _Attempt:
     fine, modes = _steps(state, segment, 0.5 * dt, 2)
     error = max(
         float(np.max(np.abs(fine.speeds[-1] - coarse.speeds[-1]), initial=0.0)) / 3.0,
-        float(np.max(np.abs(fine.twists[-1] - coarse.twists[-1]) * _frequency(state.plant), initial=0.0)) / 3.0,
+        float(np.max(np.abs(fine.twists[-1] - coarse.twists[-1]) * state.frequency, initial=0.0)) / 3.0,
     )
     smooth = bool(
         np.array_equal(fine.modes[1], fine.modes[2])
