@@ -61,8 +61,11 @@ class Cell:
     law: int | None = None
 
 
-def cells_of(pwa: Pwa, law: AffineLaw | None = None) -> tuple[Cell, ...]:
+def cells_of(pwa: Pwa, law: AffineLaw | None = None, *, flat: bool = False) -> tuple[Cell, ...]:
     """Cells of a system without inputs, or of its closed loop with a law.
+
+    Cells without inner points are left out. With `flat` those stay that belong to a mode without inner points, as an
+    equality among the requirements makes it; what a law's region and a mode share on their borders does not.
 
     Raises
     ------
@@ -75,28 +78,32 @@ def cells_of(pwa: Pwa, law: AffineLaw | None = None) -> tuple[Cell, ...]:
     if law is None:
         if pwa.u:
             raise ArgumentError(f"the system has the inputs {', '.join(v.name for v in pwa.u)}: give a law for them")
-        return tuple(Cell(b.region, b.A, b.f, b.mode) for b in branches_of(pwa) if _is_full(b.region))
+        return tuple(Cell(b.region, b.A, b.f, b.mode) for b in branches_of(pwa) if _counts(b.region, b, flat))
     names = tuple(v.name for v in pwa.x)
     if tuple(law.names) != names:
         raise ArgumentError(f"the law depends on {', '.join(law.names)}: a law of the states {names} was expected")
     branches = branches_of(pwa)
-    return tuple(cell for number in range(len(law.K)) for cell in _closed(branches, law, number, len(pwa.u)))
+    return tuple(cell for number in range(len(law.K)) for cell in _closed(branches, law, number, len(pwa.u), flat))
 
 
-def _closed(branches: Sequence[Branch], law: AffineLaw, number: int, moves: int) -> Iterator[Cell]:
+def _closed(branches: Sequence[Branch], law: AffineLaw, number: int, moves: int, flat: bool) -> Iterator[Cell]:
     """Cells of one region of the law."""
     K, k = np.asarray(law.K[number][:moves]), np.asarray(law.k[number][:moves])
     own = Polyhedron(*law.rows(number))
     for branch in branches:
         lift = np.vstack([np.eye(own.n), K])
         region = own & branch.region.preimage(lift, np.concatenate([np.zeros(own.n), k]))
-        if _is_full(region):
+        if _counts(region, branch, flat):
             A, f = branch.A + branch.B @ K, branch.B @ k + branch.f
             yield Cell(region.minimal(), A, f, branch.mode, number)
 
 
 def _is_full(region: Polyhedron) -> bool:
     return region.ball.radius > region.precision.empty
+
+
+def _counts(region: Polyhedron, branch: Branch, flat: bool) -> bool:
+    return _is_full(region) or (flat and not _is_full(branch.region) and not region.is_empty)
 
 
 def transitions(cells: Sequence[Cell]) -> tuple[tuple[int, int, Polyhedron], ...]:

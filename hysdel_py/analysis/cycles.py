@@ -146,7 +146,7 @@ def limit_cycles(
     if isinstance(longest, bool) or not isinstance(longest, int) or longest < 1:
         raise ArgumentError(f"longest is {longest!r}: a period of at least 1 was expected")
     pwa = pwa_of(system)
-    search = _Search(cells_of(pwa, law), settings)
+    search = _Search(cells_of(pwa, law, flat=True), settings)
     for period in range(1, longest + 1):
         search.run(period)
     found = [cycle for cycle in search.found if law is not None or _is_run(pwa, cycle, settings)]
