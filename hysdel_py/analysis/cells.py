@@ -12,10 +12,11 @@ from numpy.typing import NDArray
 from hysdel_py.analysis.pwa_branches import Branch, branches_of
 from hysdel_py.errors import ArgumentError
 from hysdel_py.geometry.polyhedron import Polyhedron
+from hysdel_py.geometry.relations import includes
 from hysdel_py.geometry.union import difference
 from hysdel_py.systems.pwa import Pwa
 
-__all__ = ["AffineLaw", "Cell", "cells_of", "escape", "transitions"]
+__all__ = ["AffineLaw", "Cell", "cells_of", "escape", "thin_cells", "transitions"]
 
 Matrix = NDArray[np.float64]
 Vector = NDArray[np.float64]
@@ -104,6 +105,19 @@ def _is_full(region: Polyhedron) -> bool:
 
 def _counts(region: Polyhedron, branch: Branch, flat: bool) -> bool:
     return _is_full(region) or (flat and not _is_full(branch.region) and not region.is_empty)
+
+
+def thin_cells(cells: Sequence[Cell]) -> tuple[Cell, ...]:
+    """Cells without inner points that step otherwise than the cells around them."""
+    full = [cell for cell in cells if _is_full(cell.region)]
+    thin = [cell for cell in cells if not _is_full(cell.region)]
+    return tuple(cell for cell in thin if not any(_repeats(cell, other) for other in full))
+
+
+def _repeats(cell: Cell, other: Cell) -> bool:
+    """Whether all steps of a cell are those of another one."""
+    same = np.allclose(cell.A, other.A) and np.allclose(cell.f, other.f)
+    return same and includes(other.region, cell.region)
 
 
 def transitions(cells: Sequence[Cell]) -> tuple[tuple[int, int, Polyhedron], ...]:

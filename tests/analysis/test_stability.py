@@ -149,6 +149,10 @@ def test_wrong_arguments(law):
         hys.lyapunov(model, "value", law=law.without_value())
     with pytest.raises(ArgumentError, match="cuts"):
         hys.lyapunov(model, "affine", law=law, cuts=-1)
+    with pytest.raises(ArgumentError, match="1 finite numbers"):
+        hys.lyapunov(model, "affine", law=law, equilibrium="a")
+    with pytest.raises(ArgumentError, match="in no cell"):
+        hys.lyapunov(model, "affine", law=law, equilibrium=[7])
     with pytest.raises(ArgumentError, match="period of at least 1"):
         hys.limit_cycles(model, 0, law=law)
     with pytest.raises(ArgumentError, match="give a law"):
@@ -159,6 +163,13 @@ def test_a_fixed_point_on_the_wrong_side_of_a_threshold_is_none():
     # Below 0 the map has its fixed point at 0, which belongs to the other side.
     found = hys.limit_cycles(hys.load(RELAY.format(a=0.5, low=-1, high=0)), 3)
     assert not any(abs(cycle.states[0, 0]) < 1e-9 for cycle in found.equilibria)
+    assert not found.is_complete  # on a threshold rounding decides
+
+
+def test_whole_numbers_of_numpy_are_taken(law):
+    model = hys.load(SCALAR.format(a=1.2))
+    assert hys.limit_cycles(model, np.int64(1), law=law).cycles
+    assert hys.lyapunov(model, "affine", law=law, cuts=np.int64(0)).found
 
 
 def test_modes_without_inner_points_take_part_in_cycles():
@@ -168,6 +179,21 @@ def test_modes_without_inner_points_take_part_in_cycles():
     both = """SYSTEM s { INTERFACE { STATE { REAL p [-1, 1]; } } IMPLEMENTATION { AUX { BOOL a, b; REAL z; }
       AD { a = p >= 0; b = p <= 0; } DA { z = {IF a & b THEN 0 ELSE 0.9}; } CONTINUOUS { p = z - 0.5*p; } } }"""
     assert sorted(cycle.states[0, 0] for cycle in hys.limit_cycles(hys.load(both), 1).cycles) == pytest.approx([0, 0.6])
+
+
+@pytest.mark.parametrize(
+    ("threshold", "there", "words"), [(0, 0.9, "no equilibrium"), (0.5, 0.25, "inner points"), (0.5, 0, None), (0, 0, None)]
+)
+def test_a_mode_of_single_states_is_not_passed_over(threshold, there, words):
+    # With 0.25 a run from 1 comes to rest at the threshold 0.5.
+    model = hys.load(f"""SYSTEM s {{ INTERFACE {{ STATE {{ REAL p [-1, 1]; }} }} IMPLEMENTATION {{ AUX {{ BOOL a, b;
+      REAL z; }} AD {{ a = p >= {threshold}; b = p <= {threshold}; }} DA {{ z = {{IF a & b THEN {there} ELSE 0}}; }}
+      CONTINUOUS {{ p = 0.5*p + z; }} }} }}""")
+    if words is None:
+        assert hys.lyapunov(model, "affine").proves_stability
+    else:
+        with pytest.raises(ArgumentError, match=words):
+            hys.lyapunov(model, "affine")
 
 
 def test_closed_loop_keeps_modes_without_inner_points(law):
