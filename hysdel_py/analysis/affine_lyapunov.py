@@ -19,6 +19,7 @@ from hysdel_py.analysis.cells import Cell, transitions
 from hysdel_py.errors import ArgumentError
 from hysdel_py.geometry.lp import maximise
 from hysdel_py.geometry.polyhedron import Polyhedron
+from hysdel_py.geometry.union import difference
 
 __all__ = ["AffineSearch", "cut_along_steps", "cut_at_origin", "search_affine"]
 
@@ -59,13 +60,16 @@ def _sides(region: Polyhedron, row: Vector) -> Iterator[Polyhedron]:
 
 
 def cut_along_steps(cells: Sequence[Cell]) -> tuple[Cell, ...]:
-    """Each cell in parts whose steps end in one cell; a part whose steps leave the cells is kept as it is."""
-    parts: list[list[Cell]] = [[] for _ in cells]
+    """Each cell in parts whose steps end in one cell, and what is left of it, from where steps leave the cells."""
+    parts: list[list[Polyhedron]] = [[] for _ in cells]
     for i, _, states in transitions(cells):
         if states.ball.radius > states.precision.empty:
-            cell = cells[i]
-            parts[i].append(Cell(states.minimal(), cell.A, cell.f, cell.mode, cell.law))
-    return tuple(part for own, cell in zip(parts, cells, strict=True) for part in own or [cell])
+            parts[i].append(states.minimal())
+    return tuple(
+        Cell(part, cell.A, cell.f, cell.mode, cell.law)
+        for own, cell in zip(parts, cells, strict=True)
+        for part in (*own, *(rest.minimal() for rest in difference(cell.region, own)))
+    )
 
 
 def search_affine(cells: Sequence[Cell], at_origin: Sequence[bool], zero: float) -> AffineSearch:

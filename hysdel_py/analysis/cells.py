@@ -12,10 +12,11 @@ from numpy.typing import NDArray
 from hysdel_py.analysis.pwa_branches import Branch, branches_of
 from hysdel_py.errors import ArgumentError
 from hysdel_py.geometry.polyhedron import Polyhedron
+from hysdel_py.geometry.relations import includes
 from hysdel_py.geometry.union import difference
 from hysdel_py.systems.pwa import Pwa
 
-__all__ = ["AffineLaw", "Cell", "cells_of", "escape", "transitions"]
+__all__ = ["AffineLaw", "Cell", "cells_of", "escape", "thin_cells", "transitions"]
 
 Matrix = NDArray[np.float64]
 Vector = NDArray[np.float64]
@@ -61,8 +62,11 @@ class Cell:
     law: int | None = None
 
 
-def cells_of(pwa: Pwa, law: AffineLaw | None = None) -> tuple[Cell, ...]:
+def cells_of(pwa: Pwa, law: AffineLaw | None = None, *, flat: bool = False) -> tuple[Cell, ...]:
     """Cells of a system without inputs, or of its closed loop with a law.
+
+    Cells without inner points are left out. With `flat` those stay that belong to a mode without inner points, as an
+    equality among the requirements makes it; what a law's region and a mode share on their borders does not.
 
     Raises
     ------
@@ -75,28 +79,45 @@ def cells_of(pwa: Pwa, law: AffineLaw | None = None) -> tuple[Cell, ...]:
     if law is None:
         if pwa.u:
             raise ArgumentError(f"the system has the inputs {', '.join(v.name for v in pwa.u)}: give a law for them")
-        return tuple(Cell(b.region, b.A, b.f, b.mode) for b in branches_of(pwa) if _is_full(b.region))
+        return tuple(Cell(b.region, b.A, b.f, b.mode) for b in branches_of(pwa) if _counts(b.region, b, flat))
     names = tuple(v.name for v in pwa.x)
     if tuple(law.names) != names:
         raise ArgumentError(f"the law depends on {', '.join(law.names)}: a law of the states {names} was expected")
     branches = branches_of(pwa)
-    return tuple(cell for number in range(len(law.K)) for cell in _closed(branches, law, number, len(pwa.u)))
+    return tuple(cell for number in range(len(law.K)) for cell in _closed(branches, law, number, len(pwa.u), flat))
 
 
-def _closed(branches: Sequence[Branch], law: AffineLaw, number: int, moves: int) -> Iterator[Cell]:
+def _closed(branches: Sequence[Branch], law: AffineLaw, number: int, moves: int, flat: bool) -> Iterator[Cell]:
     """Cells of one region of the law."""
     K, k = np.asarray(law.K[number][:moves]), np.asarray(law.k[number][:moves])
     own = Polyhedron(*law.rows(number))
     for branch in branches:
         lift = np.vstack([np.eye(own.n), K])
         region = own & branch.region.preimage(lift, np.concatenate([np.zeros(own.n), k]))
-        if _is_full(region):
+        if _counts(region, branch, flat):
             A, f = branch.A + branch.B @ K, branch.B @ k + branch.f
             yield Cell(region.minimal(), A, f, branch.mode, number)
 
 
 def _is_full(region: Polyhedron) -> bool:
     return region.ball.radius > region.precision.empty
+
+
+def _counts(region: Polyhedron, branch: Branch, flat: bool) -> bool:
+    return _is_full(region) or (flat and not _is_full(branch.region) and not region.is_empty)
+
+
+def thin_cells(cells: Sequence[Cell]) -> tuple[Cell, ...]:
+    """Cells without inner points that step otherwise than the cells around them."""
+    full = [cell for cell in cells if _is_full(cell.region)]
+    thin = [cell for cell in cells if not _is_full(cell.region)]
+    return tuple(cell for cell in thin if not any(_repeats(cell, other) for other in full))
+
+
+def _repeats(cell: Cell, other: Cell) -> bool:
+    """Whether all steps of a cell are those of another one."""
+    same = np.allclose(cell.A, other.A) and np.allclose(cell.f, other.f)
+    return same and includes(other.region, cell.region)
 
 
 def transitions(cells: Sequence[Cell]) -> tuple[tuple[int, int, Polyhedron], ...]:

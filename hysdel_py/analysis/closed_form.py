@@ -2,7 +2,7 @@
 
 Input form: a Pwa and a law over its states. Output form: a Pwa without inputs whose modes are the parts of the law's
 regions on which one mode holds. Preserved: states, outputs, and every step that starts in a region of the law; a part
-without inner points is left out.
+without inner points is left out unless its mode has none.
 """
 
 from __future__ import annotations
@@ -41,7 +41,7 @@ def closed_loop_pwa(system: Pwa | HasPwa, law: AffineLaw) -> Pwa:
         For Boolean states or inputs, and a law over other parameters than the states.
     """
     pwa = pwa_of(system)
-    cells = cells_of(pwa, law)
+    cells = cells_of(pwa, law, flat=True)
     modes = tuple(_mode(k, cell, pwa, law) for k, cell in enumerate(cells))
     return replace(
         pwa, name=f"closed loop of {pwa.name}", u=(), d=(), z=(), modes=modes, tree=None, tests=(), leaves=(),

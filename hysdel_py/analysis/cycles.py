@@ -10,6 +10,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from functools import cached_property
+from numbers import Integral
 
 import numpy as np
 from numpy.typing import NDArray
@@ -90,7 +91,8 @@ class Cycles:
     longest : int
         Longest period that was asked for.
     is_complete : bool
-        Whether all sequences of cells were followed and each gave at most one cycle: then there are no others.
+        Whether all sequences of cells were followed, each gave at most one cycle, and none was refused because it
+        lies on the false side of a threshold up to rounding: then there are no others.
     sequences : int
         Sequences that were followed.
     """
@@ -143,14 +145,16 @@ def limit_cycles(
     >>> [[round(float(v), 4) for v in cycle.states[:, 0]] for cycle in limit_cycles(model, 4).cycles]
     [[-0.6667, 0.6667]]
     """
-    if isinstance(longest, bool) or not isinstance(longest, int) or longest < 1:
+    if isinstance(longest, bool) or not isinstance(longest, Integral) or longest < 1:
         raise ArgumentError(f"longest is {longest!r}: a period of at least 1 was expected")
     pwa = pwa_of(system)
-    search = _Search(cells_of(pwa, law), settings)
+    search = _Search(cells_of(pwa, law, flat=True), settings)
     for period in range(1, longest + 1):
         search.run(period)
     found = [cycle for cycle in search.found if law is not None or _is_run(pwa, cycle, settings)]
-    return Cycles(tuple(found), longest, search.is_complete, search.sequences)
+    # One that is refused lies on a threshold, where rounding decides whether it is a run.
+    is_complete = search.is_complete and len(found) == len(search.found)
+    return Cycles(tuple(found), longest, is_complete, search.sequences)
 
 
 def _is_run(pwa: Pwa, cycle: Cycle, settings: CycleSettings) -> bool:

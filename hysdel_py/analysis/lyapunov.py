@@ -7,13 +7,14 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from numbers import Integral
 from typing import Any, Literal
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from hysdel_py.analysis.affine_lyapunov import cut_along_steps, cut_at_origin, search_affine
-from hysdel_py.analysis.cells import AffineLaw, Cell, cells_of, escape
+from hysdel_py.analysis.cells import AffineLaw, Cell, cells_of, escape, thin_cells
 from hysdel_py.analysis.quadratic_lyapunov import (
     DEFAULT_LYAPUNOV_TOLERANCES,
     LyapunovTolerances,
@@ -128,7 +129,8 @@ def lyapunov(
     Raises
     ------
     ArgumentError
-        Boolean states, inputs without a law, a state that is no equilibrium, a value function that is asked for and
+        Boolean states, inputs without a law, a mode without inner points that steps otherwise than the states around
+        it, a state that is no equilibrium, a value function that is asked for and
         not known, cells without bounds for an affine function; or clarabel, the extra `stability`, which quadratic
         functions need, is not installed.
     """
@@ -136,8 +138,9 @@ def lyapunov(
         raise ArgumentError(f"kind is {kind!r}: 'quadratic', 'piecewise', 'affine' or 'value' was expected")
     pwa = pwa_of(system)
     centre = _state(equilibrium, len(pwa.x))
-    cells = tuple(_moved(cell, centre) for cell in cells_of(pwa, law))
+    cells = tuple(_moved(cell, centre) for cell in cells_of(pwa, law, flat=True))
     _check_equilibrium(cells, centre, tolerances)
+    cells = _with_inner_points(cells, tolerances)
     found = _of_kind(kind, cells, tolerances, centre=centre, law=law, cuts=cuts)
     away = escape(found.cells)
     return replace(found, equilibrium=centre, escape=None if away is None else away + centre)
@@ -163,7 +166,7 @@ def _of_kind(
 
 
 def _affine(cells: tuple[Cell, ...], cuts: int, tolerances: LyapunovTolerances) -> Lyapunov:
-    if isinstance(cuts, bool) or not isinstance(cuts, int) or cuts < 0:
+    if isinstance(cuts, bool) or not isinstance(cuts, Integral) or cuts < 0:
         raise ArgumentError(f"cuts is {cuts!r}: a whole number of at least 0 was expected")
     cells = cut_at_origin(cells, [at_origin(cell, tolerances) for cell in cells])
     for _ in range(cuts):
@@ -197,7 +200,10 @@ def _value_form(law: Any, region: int) -> Matrix:
 
 
 def _state(given: ArrayLike | None, n: int) -> Vector:
-    centre = np.zeros(n) if given is None else np.asarray(given, dtype=float)
+    try:
+        centre = np.zeros(n) if given is None else np.asarray(given, dtype=float)
+    except (TypeError, ValueError):
+        centre = np.zeros(0 if n else 1)
     if centre.shape != (n,) or not np.isfinite(centre).all():
         raise ArgumentError(f"equilibrium: {n} finite numbers were expected, found {given!r}")
     return centre
@@ -209,8 +215,21 @@ def _moved(cell: Cell, centre: Vector) -> Cell:
     return Cell(region, cell.A, cell.A @ centre + cell.f - centre, cell.mode, cell.law)
 
 
+def _with_inner_points(cells: tuple[Cell, ...], tolerances: LyapunovTolerances) -> tuple[Cell, ...]:
+    """Cells that functions are searched for; one without inner points may be the equilibrium alone."""
+    thin = [cell for cell in thin_cells(cells) if cell.region.dimension or not at_origin(cell, tolerances)]
+    if thin:
+        raise ArgumentError(
+            f"mode {thin[0].mode} holds on states without inner points and steps otherwise than those around it: no "
+            "function is searched for it; let one of its thresholds be strict, or take a coordinate out of an equality"
+        )
+    return tuple(cell for cell in cells if cell.region.ball.radius > cell.region.precision.empty)
+
+
 def _check_equilibrium(cells: Sequence[Cell], centre: Vector, tolerances: LyapunovTolerances) -> None:
     here = [cell for cell in cells if at_origin(cell, tolerances)]
-    drift = max((float(np.abs(cell.f).max()) for cell in here), default=np.inf)
+    if not here:
+        raise ArgumentError(f"the state {centre.tolist()} is no equilibrium: it lies in no cell")
+    drift = max(float(np.abs(cell.f).max()) for cell in here)
     if not drift <= tolerances.origin * max(1.0, float(np.abs(centre).max(initial=0.0))):
         raise ArgumentError(f"the state {centre.tolist()} is no equilibrium: a step moves it by {drift:.3g}")

@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from hysdel_py.errors import ArgumentError
 from hysdel_py.geometry.affine_hull import AffineHull, affine_hull
 from hysdel_py.geometry.generators import generators_of
 from hysdel_py.geometry.precision import Precision
@@ -13,6 +14,9 @@ __all__ = ["hull_rows", "hull_volume"]
 
 Vector = NDArray[np.float64]
 Matrix = NDArray[np.float64]
+
+_LOST = 1e-9
+"""A coordinate with less than this in all rows of unit length is lost in linear programs, and the set has no end there."""
 
 _NO_ROW = 1e-10
 """A vertex of the polar this close to the origin, relative to the farthest one, gives no row."""
@@ -29,6 +33,11 @@ def hull_rows(points: Matrix, rays: Matrix, lines: Matrix, precision: Precision)
     points : array of shape (p, n), p >= 1
     rays : array of shape (r, n)
     lines : array of shape (l, n)
+
+    Raises
+    ------
+    ArgumentError
+        The size of the points differs too much between the coordinates.
     """
     n = points.shape[1]
     if not n:
@@ -43,7 +52,13 @@ def hull_rows(points: Matrix, rays: Matrix, lines: Matrix, precision: Precision)
     real = lengths > _NO_ROW * np.max(lengths, initial=0.0)  # the origin is a vertex of the polar of an unbounded set
     A = rows[real] / sizes
     lengths = np.linalg.norm(A, axis=1)
-    return A / lengths[:, None], (sides[real] + A @ middle) / lengths
+    A, b = A / lengths[:, None], (sides[real] + A @ middle) / lengths
+    if not len(rays) and not len(lines) and np.min(np.max(np.abs(A), axis=0, initial=0.0)) < _LOST:
+        raise ArgumentError(
+            f"the hull of points whose coordinates spread by {np.ptp(points, axis=0)} can't be told by rows: scale the "
+            "coordinates"
+        )
+    return A, b
 
 
 def _sizes(points: Matrix, precision: Precision) -> Vector:

@@ -235,10 +235,18 @@ class PolyhedralUnion:
 def _joinable(parts: list[Polyhedron], last: Polyhedron) -> tuple[int, Polyhedron] | None:
     """The first part that makes a convex union with another one, and that union."""
     for i, part in enumerate(parts):
-        joined = _joined(part, last) if _touch(part, last) else None
+        joined = _joined_if_told(part, last) if _touch(part, last) else None
         if joined is not None:
             return i, joined
     return None
+
+
+def _joined_if_told(first: Polyhedron, second: Polyhedron) -> Polyhedron | None:
+    """As `_joined`; parts of so bad a scale that their hull can't be told stay as they are."""
+    try:
+        return _joined(first, second)
+    except ArgumentError:
+        return None
 
 
 def _sticks_out(polyhedron: Polyhedron, parts: Sequence[Polyhedron]) -> bool:

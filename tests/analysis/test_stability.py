@@ -96,6 +96,17 @@ def test_affine_function_is_not_found_where_runs_grow():
     assert found.escape is not None
 
 
+@pytest.mark.parametrize("cuts", [0, 1, 2])
+def test_cuts_lose_no_states(cuts):
+    # Steps from two corners leave the square, and no step leads into these corners.
+    model = hys.load(PLANE.format(a=0, b=0, c=0.9))
+    found = hys.lyapunov(model, "affine", cuts=cuts)
+    assert found.found
+    assert not found.proves_stability
+    assert np.abs(model.dha.step(found.escape)[0]).max() > 1
+    assert found.value([0.99, 0.99]) > 0
+
+
 def test_escape_is_found_where_a_step_flattens_the_cells():
     text = "SYSTEM s { INTERFACE { STATE { REAL p [-1, 1]; } } IMPLEMENTATION { CONTINUOUS { p = %s; } } }"
     assert escape(cells_of(hys.load(text % "0*p + 0.5").pwa)) is None
@@ -138,6 +149,10 @@ def test_wrong_arguments(law):
         hys.lyapunov(model, "value", law=law.without_value())
     with pytest.raises(ArgumentError, match="cuts"):
         hys.lyapunov(model, "affine", law=law, cuts=-1)
+    with pytest.raises(ArgumentError, match="1 finite numbers"):
+        hys.lyapunov(model, "affine", law=law, equilibrium="a")
+    with pytest.raises(ArgumentError, match="in no cell"):
+        hys.lyapunov(model, "affine", law=law, equilibrium=[7])
     with pytest.raises(ArgumentError, match="period of at least 1"):
         hys.limit_cycles(model, 0, law=law)
     with pytest.raises(ArgumentError, match="give a law"):
@@ -148,6 +163,49 @@ def test_a_fixed_point_on_the_wrong_side_of_a_threshold_is_none():
     # Below 0 the map has its fixed point at 0, which belongs to the other side.
     found = hys.limit_cycles(hys.load(RELAY.format(a=0.5, low=-1, high=0)), 3)
     assert not any(abs(cycle.states[0, 0]) < 1e-9 for cycle in found.equilibria)
+    assert not found.is_complete  # on a threshold rounding decides
+
+
+def test_whole_numbers_of_numpy_are_taken(law):
+    model = hys.load(SCALAR.format(a=1.2))
+    assert hys.limit_cycles(model, np.int64(1), law=law).cycles
+    assert hys.lyapunov(model, "affine", law=law, cuts=np.int64(0)).found
+
+
+def test_modes_without_inner_points_take_part_in_cycles():
+    equal = """SYSTEM s { INTERFACE { STATE { REAL p [-1, 1]; REAL q [-1, 1]; } }
+      IMPLEMENTATION { CONTINUOUS { p = -0.5*p; q = -0.5*q; } MUST { p == q; } } }"""
+    assert [cycle.states.tolist() for cycle in hys.limit_cycles(hys.load(equal), 2).cycles] == [[[0, 0]]]
+    both = """SYSTEM s { INTERFACE { STATE { REAL p [-1, 1]; } } IMPLEMENTATION { AUX { BOOL a, b; REAL z; }
+      AD { a = p >= 0; b = p <= 0; } DA { z = {IF a & b THEN 0 ELSE 0.9}; } CONTINUOUS { p = z - 0.5*p; } } }"""
+    assert sorted(cycle.states[0, 0] for cycle in hys.limit_cycles(hys.load(both), 1).cycles) == pytest.approx([0, 0.6])
+
+
+@pytest.mark.parametrize(
+    ("threshold", "there", "words"), [(0, 0.9, "no equilibrium"), (0.5, 0.25, "inner points"), (0.5, 0, None), (0, 0, None)]
+)
+def test_a_mode_of_single_states_is_not_passed_over(threshold, there, words):
+    # With 0.25 a run from 1 comes to rest at the threshold 0.5.
+    model = hys.load(f"""SYSTEM s {{ INTERFACE {{ STATE {{ REAL p [-1, 1]; }} }} IMPLEMENTATION {{ AUX {{ BOOL a, b;
+      REAL z; }} AD {{ a = p >= {threshold}; b = p <= {threshold}; }} DA {{ z = {{IF a & b THEN {there} ELSE 0}}; }}
+      CONTINUOUS {{ p = 0.5*p + z; }} }} }}""")
+    if words is None:
+        assert hys.lyapunov(model, "affine").proves_stability
+    else:
+        with pytest.raises(ArgumentError, match=words):
+            hys.lyapunov(model, "affine")
+
+
+def test_closed_loop_keeps_modes_without_inner_points(law):
+    text = SCALAR.format(a=1.2).replace("OUTPUT { y", "MUST { u == -p; } OUTPUT { y").replace("[-0.5, 0.5]", "[-1, 1]")
+    twin = hys.ExplicitLaw.of(
+        hys.solve_mpqp(
+            hys.MpQp(H=[[2.0]], f=[0.0], F=[[2.0]], G=[[1.0], [-1.0]], w=[2.0, 2.0], S=[[0.0], [0.0]],
+                     theta=hys.Polyhedron.box([-1], [1]), Y=[[2.0]])
+        ), moves=1, names=("p",),
+    )  # fmt: skip
+    loop = hys.closed_loop_pwa(hys.load(text), twin)
+    assert loop.step([0.5])[0] == pytest.approx([0.1])
 
 
 def test_unbounded_cells_prove_nothing():

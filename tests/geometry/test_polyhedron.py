@@ -100,6 +100,15 @@ def test_wrong_shapes_are_named():
         Polyhedron([[1.0, 0.0]], [1.0, 2.0])
 
 
+def test_hull_that_rows_can_not_tell_is_refused():
+    # The rows of this triangle are those of its thin coordinate alone, up to 1e-10.
+    corners = np.array([[-93700.0, -5.17e-6], [41300.0, -2.39e-6], [29800.0, -3.93e-6]])
+    with pytest.raises(ArgumentError, match="scale the coordinates"):
+        Polyhedron.hull(corners)
+    scaled = Polyhedron.hull(corners * [1e-5, 1e5])
+    assert len(scaled.vertices) == 3
+
+
 @pytest.mark.parametrize("sizes", [(1e-5, 1.0, 1e6), (1e-3, 1e5), (1e-6, 1.0)])
 def test_hull_of_points_of_very_different_sizes(sizes):
     corners = np.array(list(itertools.product(*[(0.0, size) for size in sizes])))
