@@ -21,7 +21,7 @@ def attempt(task: Callable[[Any], Any], seed: Seed, is_kept: bool) -> SweepRecor
         value = task(seed)
         if is_kept:
             value = plain(value)
-    except Exception as error:
+    except (Exception, SystemExit) as error:  # a task that exits ends itself, not the sweep
         return failed(seed, error, perf_counter() - started)
     return SweepRecord(seed, value, seconds=perf_counter() - started)
 
@@ -38,9 +38,22 @@ def plain(value: Any) -> Any:
     Raises
     ------
     ArgumentError
-        Something else is among them.
+        Something else is among them, or two keys of a mapping have the same text.
     """
-    return json.loads(json.dumps(value, default=_of_array))
+    try:
+        return json.loads(json.dumps(value, default=_of_array), object_pairs_hook=_mapping)
+    except ArgumentError:
+        raise
+    except (TypeError, ValueError) as error:
+        raise ArgumentError(f"the result of the task cannot be kept in a file: {error}") from None
+
+
+def _mapping(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
+    """Keys become texts in a file; 1 and "1" would be one."""
+    found = dict(pairs)
+    if len(found) < len(pairs):
+        raise ArgumentError(f"the task returned a mapping with two keys of the same text, among {', '.join(found)}")
+    return found
 
 
 def _of_array(value: Any) -> Any:

@@ -7,10 +7,11 @@ scheduled here: order and placement of the work are the executor's.
 from __future__ import annotations
 
 import pickle
-from collections import deque
+from collections import Counter, deque
 from collections.abc import Callable, Iterable, Iterator
 from concurrent.futures import FIRST_COMPLETED, Future, ProcessPoolExecutor, wait
 from contextlib import suppress
+from numbers import Integral
 from pathlib import Path
 from typing import Any, Protocol
 
@@ -58,7 +59,7 @@ def sweep(
         whose ``submit`` returns a :class:`concurrent.futures.Future`; without one the tasks run here, one by one.
     resume : path, optional
         A file that every finished task is written to. Where it exists, results in it are taken over and failed tasks
-        are run again. Results are then plain data: arrays become lists.
+        are run again. Results are then plain data: arrays become lists, keys of mappings texts.
     progress : callable, optional
         Told (number of tasks that ended, number of tasks) after each.
     window : int
@@ -72,11 +73,11 @@ def sweep(
     Raises
     ------
     ArgumentError
-        A seed is twice there or neither int nor str, the task cannot be sent to processes, or the file belongs to
-        another task.
+        A seed is twice there or neither int nor str, the task cannot be sent to processes, the executor returns no
+        futures, or the file belongs to another task or is damaged in its middle.
     """
     every = _checked(seeds)
-    _require(task, executor, window)
+    _require(task, executor, progress, window)
     journal = Journal(resume, task_name(task)) if resume is not None else None
     found = _taken_over(journal, every)
     resumed = len(found)
@@ -92,22 +93,27 @@ def sweep(
 
 def _checked(seeds: Iterable[Seed]) -> list[Seed]:
     """The seeds, numbers of numpy made plain ones."""
-    every = [seed.item() if hasattr(seed, "item") else seed for seed in seeds]
+    if not isinstance(seeds, Iterable):
+        raise ArgumentError(f"the seeds of a sweep are several, as range(10), not {seeds!r}")
+    given: Iterable[Any] = seeds
+    every = [seed.item() if getattr(seed, "shape", None) == () else seed for seed in given]
     wrong = next((seed for seed in every if not isinstance(seed, int | str) or isinstance(seed, bool)), None)
     if wrong is not None:
         raise ArgumentError(f"a seed is an int or a str, not {wrong!r}")
     if len(set(every)) < len(every):
-        twice = next(seed for place, seed in enumerate(every) if seed in every[:place])
+        twice = Counter(every).most_common(1)[0][0]
         raise ArgumentError(f"seed {twice!r} is there twice; each seed stands for one task")
     return every
 
 
-def _require(task: Task, executor: SubmitsTasks | None, window: int) -> None:
+def _require(task: Task, executor: SubmitsTasks | None, progress: Progress | None, window: int) -> None:
     if not callable(task):
         raise ArgumentError(f"the task of a sweep is called with a seed, and {task!r} cannot be called")
-    if window < 1:
+    if progress is not None and not callable(progress):
+        raise ArgumentError(f"progress is called with two numbers, and {progress!r} cannot be called")
+    if not isinstance(window, Integral) or window < 1:
         raise ArgumentError(
-            f"the window of a sweep is the number of tasks handed out at a time, at least 1, not {window}"
+            f"the window of a sweep is the number of tasks handed out at a time, at least 1, not {window!r}"
         )
     if executor is not None and not hasattr(executor, "submit"):
         raise ArgumentError(f"an executor has a method submit, and {type(executor).__name__} has none")
@@ -156,9 +162,21 @@ def _hand_out(
     """Give tasks to the executor; what it does not take is a record at once."""
     for seed in seeds:
         try:
-            running[executor.submit(attempt, task, seed, is_kept)] = seed
+            future = executor.submit(attempt, task, seed, is_kept)
         except Exception as error:
             yield failed(seed, error)
+            continue
+        running[_waitable(future, executor)] = seed
+
+
+def _waitable(future: Any, executor: SubmitsTasks) -> Future[Any]:
+    """Futures of other kinds, as those of a Dask client itself, cannot be waited for here."""
+    if not isinstance(future, Future):
+        raise ArgumentError(
+            f"submit of {type(executor).__name__} returned a {type(future).__name__}, not a concurrent.futures.Future; "
+            "a client of Dask has client.get_executor()"
+        )
+    return future
 
 
 def _outcome(future: Future[Any], seed: Seed) -> SweepRecord:

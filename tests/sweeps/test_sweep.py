@@ -142,12 +142,106 @@ def test_files_of_other_tasks_are_refused(tmp_path):
     with pytest.raises(hys.ArgumentError, match="is no file of a sweep"):
         hys.sweep(draw, [1], resume=tmp_path / "notes.txt")
     assert (tmp_path / "notes.txt").read_text() == "hello\n"
-    for line, message in (('{"value": 1}\n', "a line without a seed"), ("???\n", "is no file of a sweep")):
-        with kept.open("a") as file:
-            file.write(line)
+
+
+@pytest.mark.parametrize(
+    "line",
+    [b'{"value": 1}', b"???", b'{"seed": 2}', b'{"seed": true, "value": 1}', b'{"seed": [1], "value": 1}', b"\0\0",
+     b'{"seed": 2, "value": "\xff"}', b'{"seed": 2, "va{"seed": 3, "value": 1}', b'{"seed": 2, "error": null}'],
+)  # fmt: skip
+def test_a_damaged_line_is_named_and_the_others_stay(line, tmp_path):
+    kept = tmp_path / "run.jsonl"
+    hys.sweep(draw, [1], resume=kept)
+    before = kept.read_bytes() + line + b"\n"
+    kept.write_bytes(before)
+    with pytest.raises(hys.ArgumentError, match=r"line 3 of .* is no result of a task"):
+        hys.sweep(draw, [1], resume=kept)
+    assert kept.read_bytes() == before
+
+
+@pytest.mark.parametrize("cut", [0, 1, 10, 34, 40])
+def test_a_file_cut_off_in_its_head_begins_anew(cut, tmp_path):
+    kept = tmp_path / "run.jsonl"
+    first = hys.sweep(draw, [1], resume=kept)
+    kept.write_bytes(kept.read_bytes()[:cut])
+    assert hys.sweep(draw, [1], resume=kept) == first
+    assert hys.sweep(draw, [1], resume=kept).resumed == 1
+
+
+@pytest.mark.parametrize("content", [b"one line of notes", b'{"results": [1, 2]}', b"\xff\xd8"])
+def test_files_of_others_without_a_last_newline_stay(content, tmp_path):
+    kept = tmp_path / "notes.txt"
+    kept.write_bytes(content)
+    with pytest.raises(hys.ArgumentError, match="is no file of a sweep"):
+        hys.sweep(draw, [1], resume=kept)
+    assert kept.read_bytes() == content
+
+
+class Gain:
+    """A task with an attribute and the representation that Python gives it."""
+
+    def __init__(self, factor):
+        self.factor = factor
+
+    def __call__(self, seed):
+        return self.factor * seed
+
+    def of(self, seed):
+        return self.factor * seed
+
+
+def scaled(seed, weights):
+    return float(weights.sum()) * seed
+
+
+@pytest.mark.parametrize(
+    ("first", "second"),
+    [
+        (Gain(1), Gain(2)),
+        (Gain(1).of, Gain(2).of),
+        (lambda seed: seed, lambda seed: 2 * seed),
+        (partial(scaled, weights=np.eye(1, 5000, 2000)), partial(scaled, weights=2 * np.eye(1, 5000, 2000))),
+        (partial(Gain.of, Gain(1)), partial(Gain.of, Gain(2))),
+    ],
+)
+def test_tasks_that_differ_in_what_they_hold_are_others(first, second, tmp_path):
+    kept = tmp_path / "run.jsonl"
+    found = hys.sweep(first, [1, 2], resume=kept)
+    assert hys.sweep(first, [1, 2], resume=kept) == found
+    with pytest.raises(hys.ArgumentError, match="holds results of"):
+        hys.sweep(second, [1, 2], resume=kept)
+
+
+def leaves(seed):
+    raise SystemExit(3)
+
+
+def test_a_task_that_exits_ends_itself():
+    here = hys.sweep(leaves, [1, 2])
+    assert [record.error for record in here.failures] == ["SystemExit: 3", "SystemExit: 3"]
+    with ThreadPoolExecutor(1) as pool:
+        assert hys.sweep(leaves, [1, 2], executor=pool) == here
+
+
+def test_mappings_whose_keys_would_become_one_are_not_kept(tmp_path):
+    found = hys.sweep(lambda seed: {1: seed, "1": 0}, [5], resume=tmp_path / "run.jsonl")
+    assert "two keys of the same text" in found[5].error
+    assert hys.sweep(lambda seed: {(1, 2): seed}, [5], resume=tmp_path / "keys.jsonl").failures
+
+
+def test_a_client_in_the_place_of_its_executor(tmp_path):
+    class Client:
+        def submit(self, function, *arguments):
+            return "a future of another kind"
+
+    with pytest.raises(hys.ArgumentError, match=r"client\.get_executor"):
+        hys.sweep(draw, [1], executor=Client())
+
+
+def test_names_that_cannot_be_a_file(tmp_path):
+    for name, message in ((tmp_path, "is a folder"), (tmp_path / "no" / "x", "does not exist"), (True, "name of a")):
         with pytest.raises(hys.ArgumentError, match=message):
-            hys.sweep(draw, [1], resume=kept)
-        kept.write_text(kept.read_text().removesuffix(line))
+            hys.sweep(draw, [1], resume=name)
 
 
 def test_results_that_cannot_be_kept_are_records(tmp_path):
@@ -172,7 +266,11 @@ def test_numbers_come_back_as_they_were(tmp_path):
         ([1.5], {}, "an int or a str, not 1.5"),
         ([True], {}, "an int or a str, not True"),
         ([1], {"window": 0}, "at least 1, not 0"),
+        ([1], {"window": "3"}, "at least 1, not '3'"),
         ([1], {"executor": 4}, "int has none"),
+        ([1], {"progress": 4}, "4 cannot be called"),
+        (5, {}, "several, as range"),
+        (np.eye(2), {}, "an int or a str, not array"),
     ],
 )
 def test_wrong_arguments(seeds, options, message):
