@@ -1,8 +1,10 @@
 """Limits of one plan that leave room for a plant that is not the model.
 
-* The brake closes with the flywheel: its force may be no more than a gain times the distance of the flywheel speed to
-  the brake rule. A hard rule alone lets a plan brake up to the last sample that its model allows; when noise or another
-  inertia then shows the flywheel nearer than planned, the force cannot go to zero in time and there is no plan at all.
+* The brake closes with the flywheel: its force may be no more than what can be released, at the fastest rate, before
+  the flywheel gets to the brake rule. That takes up to 0.25 s, more than twice the horizon, so that no plan sees it;
+  when it does, the force cannot go to zero in time and the rule leaves no plan. While the torque at the wheels is kept,
+  the flywheel gains speed at ``a + c F`` under a brake force F; releasing F at a rate r takes it ``(a F + c F^2/2)/r``
+  nearer to its reversal, and that distance, solved for F, is the limit.
 * Engine torque stays below its curve, and brake and flywheel further apart, by what noise leaves in their estimates.
 * Effective forces end where the actuators do: a contact with less friction than in the model reaches less.
 
@@ -22,13 +24,15 @@ from hysdel_py.demos.shifts.cases import HORIZON, Shift
 from hysdel_py.demos.shifts.references import SAMPLE_TIME
 from hysdel_py.demos.shifts.transmission import Transmission, engine_limit
 
-__all__ = ["Margins"]
+__all__ = ["Margins", "releasable"]
 
 Vector = NDArray[np.float64]
 Ends = tuple[float, Vector]
 
-CLOSING = 4.0
-"""Brake force per distance of the flywheel speed to the brake rule [N s/rad]."""
+COASTING = 100.0
+"""Acceleration of the flywheel with hardly any brake force, a [rad/s^2], as in the 2-3 upshift."""
+BRAKED = 6.0
+"""By how much the brake adds to it, c [rad/s^2 per N]."""
 _NOISES = 3.0  # standard deviations of the flywheel speed
 _FALL = {"Te": 390.0, "Fnb": 490.0}  # Nm/s and N/s, a little less than the actuators can
 _MOST_TORQUE = 0.99 * 145.0
@@ -89,7 +93,7 @@ class Margins:
             return most
         wheel = self._ahead("wf", self.data.flywheel_speed(seen[4], seen[5]))
         room = np.maximum(self.rule - self._flywheel_margin() - wheel, 0.0)
-        return np.minimum(most, np.maximum(CLOSING * room, self._reach("Fnb", seen[1], grip)))
+        return np.minimum(most, np.maximum(releasable(room, grip * _FALL["Fnb"]), self._reach("Fnb", seen[1], grip)))
 
     def _clutch(self, grip: float) -> Vector:
         own = (self.shift.release, self.shift.engage)[self.part - 1].clutch_force
@@ -114,3 +118,9 @@ class Margins:
 
     def _reach(self, name: str, now: float, share: float) -> Vector:
         return now - share * SAMPLE_TIME * _FALL[name] * _STEPS
+
+
+def releasable(room: Vector, rate: float) -> Vector:
+    """Brake force [N] that can be released at a rate [N/s] while the flywheel gains so much speed [rad/s]."""
+    force: Vector = (np.sqrt(COASTING**2 + 2.0 * BRAKED * rate * room) - COASTING) / BRAKED
+    return force

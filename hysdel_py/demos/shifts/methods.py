@@ -110,7 +110,9 @@ class Method:
 
     def lockup(self) -> Lockup:
         """What follows part 2."""
-        return Lockup(self.shift, self.data, self.sensors)
+        if self._planned is None:
+            return Lockup(self.shift, self.data, self.sensors)
+        return Lockup(self.shift, self.data, self.sensors, self._observer, self._planned.last)
 
     def met(self, _k: int, x: Vector) -> bool:
         """Whether the speeds of engine and new gear have met as far as is measured, or are close and stay so."""
