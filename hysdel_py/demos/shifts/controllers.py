@@ -6,16 +6,19 @@ Weights, limits and horizon are those of the document. What departs from it:
 * The brake rule is planned with a flywheel 3 rad/s further back than the document's -5 rad/s, so that the plant keeps
   the rule between two samples.
 * A state measured beside the ranges of the model, or on a threshold, is moved to the side that the model knows.
-* Nearer than that the brake is taken as off, and released at its fastest rate where it is not; so is a clutch that a
-  plan of part 1 leaves next to nothing.
+* Nearer than that the brake is released at its fastest rate; so is a clutch that a plan of part 1 leaves next to
+  nothing. Where the rule leaves no plan, a plan without the rule releases the brake as fast as it can and makes up for
+  its torque; it is counted as one by a fallback.
+* Limits of a call leave room for a plant that is not the model: :mod:`hysdel_py.demos.shifts.margins`.
 * The rates have a small weight, so that torque and clutch force do not swing from sample to sample.
 * Forces are effective ones, where an observer tells the friction: factor times force.
-* Where hard limits leave no plan, a plan with softened limits is taken; where there is none either, the brake is
+* Where hard limits leave no plan, a plan with softened limits is taken; where there is none at all, the brake is
   released and the engine takes over its torque. Both are counted.
 """
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 from functools import cache
 from typing import Any
@@ -26,9 +29,10 @@ from numpy.typing import NDArray
 from hysdel_py.control.costs import Cost
 from hysdel_py.control.hybrid_mpc import HybridMpc
 from hysdel_py.control.limits import Limits
-from hysdel_py.control.move import Move
+from hysdel_py.control.move import Move, MoveStatus
 from hysdel_py.demos.shifts import references
 from hysdel_py.demos.shifts.cases import HORIZON, Part, Shift
+from hysdel_py.demos.shifts.margins import Margins
 from hysdel_py.demos.shifts.observer import ShiftObserver
 from hysdel_py.demos.shifts.sensors import Sensors
 from hysdel_py.demos.shifts.transmission import LEAST_SPEED, MOST_SPEED, Transmission, engine_limit
@@ -47,10 +51,13 @@ GAP = 1e-3
 """Share of the cost that a plan may lack to the best one."""
 BRAKE_RULE = -8.0
 """Flywheel speed up to which a plan may use the brake [rad/s]."""
+NO_RULE = 1000.0
+"""The same where there is no rule."""
 RATES = {1: {"Te_rate": 0.01, "Fnb_rate": 0.01, "Fnc_rate": 0.01}, 2: {"Te_rate": 0.003}}
 """Weights of the rates in both parts, per Nm/s and N/s: without them torque and clutch force swing between samples."""
 _LEAN = 1e-5  # what a measured torque or force is moved by, off a threshold that a plan ended on
 _ON = 0.01  # N, threshold of the brake rule
+_NOTICED = 1.0  # N, brake force that is worth a plan of its own
 _OPEN = 0.5  # N, clutch force that is let go
 _FASTEST = {"Te_rate": (-396.0, 495.0), "Fnb_rate": (-495.0, 792.0), "Fnc_rate": (-495.0, 792.0)}
 _PRICE = 1e4
@@ -62,14 +69,14 @@ def _model(name: str, parameters: tuple[tuple[str, float], ...]) -> Model:
     return load(name, **values)
 
 
-def part_model(shift: Shift, part: int, data: Transmission) -> Model:
-    """The shipped model of part 1 or 2 with the gears of a shift."""
+def part_model(shift: Shift, part: int, data: Transmission, rule: float = BRAKE_RULE) -> Model:
+    """The shipped model of part 1 or 2 with the gears of a shift and the brake rule of its plans."""
     old, new = (data.gears[gear] for gear in shift.gears)
     if part == 1:
         return _model(
             "bist_part1", (("r_old", old), ("r_new", new), ("F_max", shift.force), ("slip_back", shift.slip_back))
         )
-    return _model("bist_part2", (("r_new", new), ("F_max", shift.force), ("wf_back", BRAKE_RULE)))
+    return _model("bist_part2", (("r_new", new), ("F_max", shift.force), ("wf_back", rule)))
 
 
 def shift_limits(shift: Shift, part: int, data: Transmission) -> Limits:
@@ -90,10 +97,12 @@ def shift_limits(shift: Shift, part: int, data: Transmission) -> Limits:
     )  # fmt: skip
 
 
-def shift_controller(shift: Shift, part: int, data: Transmission, node_limit: int = NODE_LIMIT) -> HybridMpc:
+def shift_controller(
+    shift: Shift, part: int, data: Transmission, node_limit: int = NODE_LIMIT, rule: float = BRAKE_RULE
+) -> HybridMpc:
     """The controller of part 1 or 2 of a shift."""
     model, cost, limits = (
-        part_model(shift, part, data),
+        part_model(shift, part, data, rule),
         shift_cost(part_of(shift, part), part),
         shift_limits(shift, part, data),
     )
@@ -143,6 +152,10 @@ class PartController:
         in the model, by default.
     modes : FixedModes, optional
         Limits that stand for the switches that the model of `mpc` lacks.
+    last : array of shape (3,), optional
+        The input before the first one.
+    without_rule : callable, optional
+        Makes the same controller without the brake rule, for a brake that is still on when the rule leaves no plan.
     """
 
     shift: Shift
@@ -156,6 +169,12 @@ class PartController:
     observer: ShiftObserver | None = None
     modes: Any = None
     last: Vector = field(default_factory=lambda: np.zeros(3))
+    without_rule: Callable[[], Any] | None = None
+    margins: Margins = field(init=False)
+    _late: Any = field(init=False, default=None)
+
+    def __post_init__(self) -> None:
+        self.margins = Margins(self.shift, self.part, self.data, BRAKE_RULE, self.sensors.noise)
 
     def solve(self, x: Vector, k: int) -> Move:
         """The move at step k of the part."""
@@ -168,11 +187,11 @@ class PartController:
 
     def _planned(self, seen: Vector, t: Vector, grip: Vector) -> Move:
         off = self._brake_is_off(seen)
-        if off:
-            seen[1] = 0.0
-        move: Move = self.mpc.solve(seen, self._references(seen, t), limits=self._limits(seen, t, grip))
-        if self.modes is not None:
-            self.modes.remember(move)
+        late = off and self._still_brakes(seen)
+        move = self._late_move(seen, t, grip) if late else self._move(seen, t, grip, off=off)
+        if move.u is None and not late and self._still_brakes(seen):
+            move, off = self._late_move(seen, t, grip), True
+        self.margins.remember(move)
         if move.u is None:
             return move
         rates = move.u / [1.0, grip[1], grip[0]]
@@ -181,6 +200,29 @@ class PartController:
         if self.part == 1 and seen[2] + references.SAMPLE_TIME * move.u[2] < _OPEN:
             rates[2] = _FASTEST["Fnc_rate"][0]
         return replace(move, u=rates)
+
+    def _move(self, seen: Vector, t: Vector, grip: Vector, *, off: bool) -> Move:
+        begin = seen * [1.0, 0.0 if off else 1.0, 1.0, 1.0, 1.0, 1.0, 1.0]
+        move: Move = self.mpc.solve(begin, self._references(seen, t), limits=self._limits(begin, t, grip))
+        if self.modes is not None:
+            self.modes.remember(move)
+        return move
+
+    def _late_move(self, seen: Vector, t: Vector, grip: Vector) -> Move:
+        """A plan in which the brake goes off as fast as it can, whatever the flywheel does meanwhile."""
+        if self._late is None and self.without_rule is not None:
+            self._late = self.without_rule()
+        limits = self._limits(seen, t, grip)
+        limits = replace(limits, x={**limits.x, "Fnb": self.margins.released(seen, grip)})
+        move: Move = self._late.solve(seen, self._references(seen, t), limits=limits)
+        if move.u is None:
+            return move
+        return replace(move, status=MoveStatus.FALLBACK, fallback="late brake")
+
+    def _still_brakes(self, seen: Vector) -> bool:
+        """Whether a flywheel that still turns backwards is braked, by more than noise."""
+        turns_back = self.data.flywheel_speed(seen[4], seen[5]) < 0.0
+        return self.part == 2 and self.without_rule is not None and bool(seen[1] > _NOTICED) and turns_back
 
     def _brake_is_off(self, seen: Vector) -> bool:
         """Whether the flywheel is about to reverse; a brake that is still on then is no state of its model."""
@@ -208,31 +250,31 @@ class PartController:
             wanted["Fnc"] = np.interp(t, times, self.forces)
         return wanted
 
-    def _limits(self, x: Vector, t: Vector, grip: Vector) -> Limits | None:
-        limits = self._of_guard(x, t) if self.part == 1 else self._of_landing(x)
+    def _limits(self, x: Vector, t: Vector, grip: Vector) -> Limits:
+        own = self.margins.limits(x, grip)
+        limits = self._of_guard(x, t, own["Fnc"][1]) if self.part == 1 else self._of_landing(x)
+        limits = replace(limits, x={**own, **limits.x})
         if self.modes is not None:
-            limits = replace(limits or Limits(), x=self.modes.limits().x)
-        if self.observer is None:
-            return limits
-        return replace(limits or Limits(), u=_effective_rates(grip))
+            limits = replace(limits, x=self.modes.limits().x)
+        return limits if self.observer is None else replace(limits, u=_effective_rates(grip))
 
-    def _of_guard(self, x: Vector, t: Vector) -> Limits | None:
+    def _of_guard(self, x: Vector, t: Vector, strongest: Vector) -> Limits:
         guard = self.shift.guard
         if guard is None:
-            return None
+            return Limits()
         fall = 495.0 * np.clip(guard.open_by - t, 0.0, None)
         within_reach = x[2] - 4.9 * np.arange(len(t))
-        most = np.clip(np.maximum(fall, within_reach), 0.01, 0.99 * self.shift.release.clutch_force)
-        most[0] = 0.99 * self.shift.release.clutch_force
+        most = np.clip(np.maximum(fall, within_reach), 0.01, strongest)
+        most[0] = strongest[0]
         wheel = (self.shift.release.wf[0], references.guard_limit(self.shift, self.data, x[5], t))
         return Limits(y={"wf": wheel}, x={"Fnc": (0.01, most)})
 
-    def _of_landing(self, x: Vector) -> Limits | None:
+    def _of_landing(self, x: Vector) -> Limits:
         """The relative speed of an upshift falls no faster than lock-up allows."""
         relative = self.data.relative_speed(self.shift.gears[1], x[4], x[5])
         low = self.shift.engage.rel[0]
         if low is None or relative <= 0.0:
-            return None
+            return Limits()
         always, share = references.LANDING_MARGIN
         least = np.maximum(references.landing(relative) - always - share * relative, low)
         return Limits(y={"rel": (least, None)})

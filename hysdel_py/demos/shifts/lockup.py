@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hysdel_py.demos.shifts.cases import Shift
+from hysdel_py.demos.shifts.observer import ShiftObserver
 from hysdel_py.demos.shifts.plant import SAMPLE_TIME
 from hysdel_py.demos.shifts.sensors import Sensors
 from hysdel_py.demos.shifts.tracking import ClosedClutch
@@ -25,6 +26,7 @@ LOCK_STEPS = 30
 _WAIT = 3  # samples in which engine and brake stay as they are, while the clutch meets its shaft
 _GENTLE_STEPS = 5
 _GENTLE, _FAST = 100.0, 792.0  # N/s
+_ENGINE_AND_BRAKE = slice(0, 2)
 _RELEASE = -495.0  # N/s, of a brake that is still on
 
 
@@ -39,16 +41,39 @@ class Lockup:
     shift : Shift
     data : Transmission
     sensors : Sensors
+        The engine torque stays below its curve by one standard deviation of its measurement.
+    observer : ShiftObserver, optional
+        What engine torque and brake force there are when the input acts.
+    last : array of shape (3,), optional
+        The input before the first one.
     """
 
-    def __init__(self, shift: Shift, data: Transmission, sensors: Sensors) -> None:
-        self._engine = ClosedClutch(data, shift.gears[1], SAMPLE_TIME)
+    def __init__(
+        self,
+        shift: Shift,
+        data: Transmission,
+        sensors: Sensors,
+        observer: ShiftObserver | None = None,
+        last: Vector | None = None,
+    ) -> None:
+        margin = sensors.noise.get("Te", 0.0)
+        self._engine = ClosedClutch(data, shift.gears[1], SAMPLE_TIME, margin=margin)
         self._wanted, self._sensors, self._k = shift.torques[1], sensors, 0
+        self._observer, self._last = observer, np.zeros(3) if last is None else last
 
     def __call__(self, x: Vector, _ref: Any = None) -> Vector:
         """Rates for the next sample."""
-        seen, k = self._sensors.read(x), self._k
+        self._last = self._rates(self._seen(x), self._k)
         self._k += 1
+        return self._last
+
+    def _seen(self, x: Vector) -> Vector:
+        seen = self._sensors.read(x)
+        if self._observer is not None:
+            seen[_ENGINE_AND_BRAKE] = self._observer.update(seen, self._last)[_ENGINE_AND_BRAKE]
+        return seen
+
+    def _rates(self, seen: Vector, k: int) -> Vector:
         close = _GENTLE if k < _GENTLE_STEPS else _FAST
         if k < _WAIT:
             return np.array([0.0, 0.0, close])

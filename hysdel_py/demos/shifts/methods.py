@@ -8,6 +8,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -15,7 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hysdel_py.demos.shifts.cases import Shift
-from hysdel_py.demos.shifts.controllers import NODE_LIMIT, PartController, shift_controller
+from hysdel_py.demos.shifts.controllers import NO_RULE, NODE_LIMIT, PartController, shift_controller
 from hysdel_py.demos.shifts.fixed_modes import FixedModes, linear_controller
 from hysdel_py.demos.shifts.lockup import CLOSE, CLOSE_SAMPLES, HANDED_OVER, Lockup
 from hysdel_py.demos.shifts.observer import ShiftObserver
@@ -83,6 +84,7 @@ class Method:
     node_limit: int = NODE_LIMIT
     tuning: RampTuning = field(default_factory=RampTuning)
     _observer: ShiftObserver | None = field(init=False, default=None)
+    _planned: PartController | None = field(init=False, default=None)
     _close: int = field(init=False, default=0)
 
     def __post_init__(self) -> None:
@@ -99,14 +101,18 @@ class Method:
         if self.name == "ramps":
             return RampController(self.shift, part, self.data, self.sensors, self.start, self.tuning)
         since = 0.0 if part == 1 else self.shift.release.seconds
-        return PartController(
+        last = np.zeros(3) if self._planned is None else self._planned.last
+        self._planned = PartController(
             self.shift, part, self.data, self._mpc(part), since, self._force(), self._forces(part), self.sensors,
-            self._observer, self._modes(part),
+            self._observer, self._modes(part), last, self._without_rule(part),
         )  # fmt: skip
+        return self._planned
 
     def lockup(self) -> Lockup:
         """What follows part 2."""
-        return Lockup(self.shift, self.data, self.sensors)
+        if self._planned is None:
+            return Lockup(self.shift, self.data, self.sensors)
+        return Lockup(self.shift, self.data, self.sensors, self._observer, self._planned.last)
 
     def met(self, _k: int, x: Vector) -> bool:
         """Whether the speeds of engine and new gear have met as far as is measured, or are close and stay so."""
@@ -119,6 +125,11 @@ class Method:
         if self.name == "linear":
             return linear_controller(self.shift, part, self.data)
         return shift_controller(self.shift, part, self.data, self.node_limit)
+
+    def _without_rule(self, part: int) -> Callable[[], Any] | None:
+        if self.name == "linear" or part == 1:
+            return None
+        return lambda: shift_controller(self.shift, part, self.data, self.node_limit, NO_RULE)
 
     def _modes(self, part: int) -> FixedModes | None:
         if self.name != "linear" or part == 1:

@@ -5,7 +5,9 @@ the shafts tell its torque. A Kalman filter follows twist, three speeds and two 
 clutch and one of that of the brake: with the measured engine torque and forces its equations are linear, with
 coefficients that change from sample to sample. It ends with a prediction over the delay of the actuators.
 
-The controllers then plan with effective forces, factor times force, for which their model is right.
+The controllers then plan with effective forces, factor times force, for which their model is right. Engine torque and
+forces themselves are where the rates have led them, moved towards the measurement by a fixed share: the actuators are
+integrators, so that most of the noise of a measured torque is none of its motion.
 """
 
 from __future__ import annotations
@@ -31,9 +33,11 @@ _DRIFT = np.array([1e-4, 0.1, 0.1, 0.002, 0.01, 0.01])
 _STUCK_DRIFT = np.array([1e-4, 2.0, 2.0, 0.002, 0.01, 0.01])
 """The same for a clutch that may stick, and then carries what nobody knows."""
 _FIRST_DOUBT = 0.15
+_TRUST = 0.2  # share of a measured torque or force in its estimate; noise is left with a third of its deviation
 _SLIPS = 1.0  # rad/s, from which the sign of a slip is certain
 _TERMS = 5  # of the exponential series: the fastest swing turns by 0.4 rad in a sample
-_MOVING = slice(3, 7)
+_TWIST = 3
+_MOVING = slice(_TWIST, 7)
 _BRAKE, _CLUTCH = 1, 2
 
 
@@ -67,6 +71,8 @@ class ShiftObserver:
         self._doubt = np.diag(np.concatenate([_NOISE, [_FIRST_DOUBT, _FIRST_DOUBT]]) ** 2)
         self._moving = np.zeros(4)
         self._before: Vector | None = None
+        self._inputs: Vector | None = None
+        self._last = np.zeros(3)
         self._A = slipping(self.data, self.gear)[0]
 
     def change_gear(self, gear: int) -> None:
@@ -82,14 +88,24 @@ class ShiftObserver:
         last : array of shape (3,)
             Rates that were asked for in the sample before.
         """
+        x = np.concatenate([self._led(x[:_TWIST], last), x[_TWIST:]])
         sticks = self._sticks(x if self._before is None else self._before, x)
         if self._before is None:
             self._restart(x)
         else:
             self._predict((self._before + x) / 2, _STUCK_DRIFT if sticks else _DRIFT)
             self._correct(x[_MOVING], learns=not sticks)
-        self._before = np.array(x, dtype=float)
+        self._before = x
         return self._ahead(x, last, sticks=sticks)
+
+    def _led(self, measured: Vector, last: Vector) -> Vector:
+        """Engine torque and forces now."""
+        led = measured
+        if self._inputs is not None:
+            led = self._inputs + self.delay * self._last + (self.sample_time - self.delay) * last
+        self._inputs = np.maximum(led + _TRUST * (measured - led), 0.0)
+        self._last = np.array(last, dtype=float)
+        return self._inputs
 
     def _restart(self, x: Vector) -> None:
         """What moves is as measured."""

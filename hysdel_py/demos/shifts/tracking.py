@@ -39,6 +39,8 @@ class ClosedClutch:
         [s]
     damping : float
         Ratio to the critical damping of the drive shaft; 0 steers without looking.
+    margin : float
+        By how much the torque stays below the engine curve [Nm].
 
     Raises
     ------
@@ -50,6 +52,7 @@ class ClosedClutch:
     gear: int
     sample_time: float
     damping: float = DAMPING
+    margin: float = 0.0
 
     def __post_init__(self) -> None:
         if not self.damping >= 0.0:
@@ -78,7 +81,7 @@ class ClosedClutch:
             Torque of the drive shaft [Nm].
         """
         goal = self.data.rolling(self.gear, wanted, x[6])["Te"] + self._against_brake(x) - self._against_swings(x)
-        goal = float(np.clip(goal, _LEAST, engine_limit(x[4])))
+        goal = float(np.clip(goal, _LEAST, max(engine_limit(x[4]) - self.margin, _LEAST)))
         return float(np.clip((goal - x[0]) / self.sample_time, _SLOWEST, _FASTEST))
 
     def _against_brake(self, x: Vector) -> float:

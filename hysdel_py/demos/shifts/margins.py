@@ -1,0 +1,126 @@
+"""Limits of one plan that leave room for a plant that is not the model.
+
+* The brake closes with the flywheel: its force may be no more than what can be released, at the fastest rate, before
+  the flywheel gets to the brake rule. That takes up to 0.25 s, more than twice the horizon, so that no plan sees it;
+  when it does, the force cannot go to zero in time and the rule leaves no plan. While the torque at the wheels is kept,
+  the flywheel gains speed at ``a + c F`` under a brake force F; releasing F at a rate r takes it ``(a F + c F^2/2)/r``
+  nearer to its reversal, and that distance, solved for F, is the limit.
+* Engine torque stays below its curve, and brake and flywheel further apart, by what noise leaves in their estimates.
+* Effective forces end where the actuators do: a contact with less friction than in the model reaches less.
+
+No limit ends below what the actuators can reach: none of them takes the last plan away.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import NDArray
+
+from hysdel_py.control.move import Move
+from hysdel_py.demos.shifts.cases import HORIZON, Shift
+from hysdel_py.demos.shifts.references import SAMPLE_TIME
+from hysdel_py.demos.shifts.transmission import Transmission, engine_limit
+
+__all__ = ["Margins", "releasable"]
+
+Vector = NDArray[np.float64]
+Ends = tuple[float, Vector]
+
+COASTING = 100.0
+"""Acceleration of the flywheel with hardly any brake force, a [rad/s^2], as in the 2-3 upshift."""
+BRAKED = 6.0
+"""By how much the brake adds to it, c [rad/s^2 per N]."""
+_NOISES = 3.0  # standard deviations of the flywheel speed
+_FALL = {"Te": 390.0, "Fnb": 490.0}  # Nm/s and N/s, a little less than the actuators can
+_MOST_TORQUE = 0.99 * 145.0
+_LEAST = 0.01
+_STEPS = np.arange(HORIZON + 1)
+
+
+@dataclass(eq=False)
+class Margins:
+    """Limits of engine torque and forces over the next plan.
+
+    Parameters
+    ----------
+    shift : Shift
+    part : int
+        1 or 2.
+    data : Transmission
+    rule : float
+        Flywheel speed up to which a plan may use the brake [rad/s].
+    noise : mapping of state to float
+        Standard deviations of the measurement.
+    """
+
+    shift: Shift
+    part: int
+    data: Transmission
+    rule: float
+    noise: Mapping[str, float]
+    _plan: Mapping[str, Vector] = field(init=False, default_factory=dict)
+
+    def remember(self, move: Move) -> None:
+        """Keep the speeds of a plan; the next limits are made where it led, one sample later."""
+        found = move.predicted
+        self._plan = {} if found is None else {name: np.asarray(found[name], dtype=float) for name in ("we", "wf")}
+
+    def limits(self, seen: Vector, grip: Vector) -> dict[str, Ends]:
+        """Limits of this call.
+
+        Parameters
+        ----------
+        seen : array of shape (7,)
+            The state from which the plan begins, with effective forces.
+        grip : array of shape (2,)
+            Friction of clutch and brake as shares of that of the model.
+        """
+        clutch, brake = np.minimum(grip, 1.0)
+        found = {"Fnb": (0.0, self._brake(seen, brake)), "Fnc": (_LEAST, self._clutch(clutch))}
+        return found | ({"Te": (_LEAST, self._torque(seen))} if self.noise.get("Te") else {})
+
+    def released(self, seen: Vector, grip: Vector) -> Ends:
+        """The limit of a brake that has to go off as fast as it can."""
+        return 0.0, np.maximum(self._reach("Fnb", seen[1], min(grip[1], 1.0)), 0.0)
+
+    def _brake(self, seen: Vector, grip: float) -> Vector:
+        own = (self.shift.release, self.shift.engage)[self.part - 1].brake_force
+        most = np.full(HORIZON + 1, grip * (0.99 * self.shift.force if own is None else own))
+        if self.part == 1:
+            return most
+        wheel = self._ahead("wf", self.data.flywheel_speed(seen[4], seen[5]))
+        room = np.maximum(self.rule - self._flywheel_margin() - wheel, 0.0)
+        return np.minimum(most, np.maximum(releasable(room, grip * _FALL["Fnb"]), self._reach("Fnb", seen[1], grip)))
+
+    def _clutch(self, grip: float) -> Vector:
+        own = (self.shift.release, self.shift.engage)[self.part - 1].clutch_force
+        return np.full(HORIZON + 1, grip * 0.99 * own)
+
+    def _torque(self, seen: Vector) -> Vector:
+        """The curve, less one standard deviation of a measured torque: three of an estimated one."""
+        curve = np.array([engine_limit(speed) for speed in self._ahead("we", seen[4])]) - self.noise["Te"]
+        return np.clip(np.maximum(curve, self._reach("Te", seen[0], 1.0)), _LEAST, _MOST_TORQUE)
+
+    def _flywheel_margin(self) -> float:
+        engine, secondary = self.noise.get("we", 0.0), self.noise.get("ws", 0.0)
+        return _NOISES * self.data.z * float(np.hypot(engine, secondary / self.data.r_gn))
+
+    def _ahead(self, name: str, now: float) -> Vector:
+        """A speed over the next plan: as in the last one, from where it is now."""
+        if name not in self._plan:
+            return np.full(HORIZON + 1, now)
+        before = self._plan[name][1:]
+        led = np.append(before, np.repeat(before[-1], HORIZON + 1 - len(before)))
+        return now + led - led[0]
+
+    def _reach(self, name: str, now: float, share: float) -> Vector:
+        return now - share * SAMPLE_TIME * _FALL[name] * _STEPS
+
+
+def releasable(room: Vector, rate: float) -> Vector:
+    """Brake force [N] that can be released at a rate [N/s] while the flywheel gains so much speed [rad/s]."""
+    force: Vector = (np.sqrt(COASTING**2 + 2.0 * BRAKED * rate * room) - COASTING) / BRAKED
+    return force
