@@ -81,6 +81,8 @@ def cells_of(pwa: Pwa, law: AffineLaw | None = None, *, flat: bool = False) -> t
             raise ArgumentError(f"the system has the inputs {', '.join(v.name for v in pwa.u)}: give a law for them")
         return tuple(Cell(b.region, b.A, b.f, b.mode) for b in branches_of(pwa) if _counts(b.region, b, flat))
     names = tuple(v.name for v in pwa.x)
+    if not all(hasattr(law, part) for part in ("names", "K", "k", "rows")):
+        raise ArgumentError(f"law: a {type(law).__name__} was given, an ExplicitLaw over the states was expected")
     if tuple(law.names) != names:
         raise ArgumentError(f"the law depends on {', '.join(law.names)}: a law of the states {names} was expected")
     branches = branches_of(pwa)

@@ -10,14 +10,14 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from numbers import Integral
 
 import numpy as np
 from numpy.typing import NDArray
 
 from hysdel_py.analysis.cells import AffineLaw, Cell, cells_of
+from hysdel_py.analysis.counts import counted
 from hysdel_py.analysis.reach import HasPwa, pwa_of
-from hysdel_py.errors import ArgumentError, SimulationError
+from hysdel_py.errors import SimulationError
 from hysdel_py.geometry.polyhedron import Polyhedron
 from hysdel_py.systems.pwa import Pwa
 
@@ -145,8 +145,7 @@ def limit_cycles(
     >>> [[round(float(v), 4) for v in cycle.states[:, 0]] for cycle in limit_cycles(model, 4).cycles]
     [[-0.6667, 0.6667]]
     """
-    if isinstance(longest, bool) or not isinstance(longest, Integral) or longest < 1:
-        raise ArgumentError(f"longest is {longest!r}: a period of at least 1 was expected")
+    longest = counted(longest, 1, "longest")
     pwa = pwa_of(system)
     search = _Search(cells_of(pwa, law, flat=True), settings)
     for period in range(1, longest + 1):

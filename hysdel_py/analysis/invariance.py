@@ -11,10 +11,10 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
+from hysdel_py.analysis.counts import counted
 from hysdel_py.analysis.hybrid_set import HybridSet, Span, hybrid_set
 from hysdel_py.analysis.output_limits import with_output_limits
 from hysdel_py.analysis.reach import HasPwa, Progress, pwa_of, reach_backward, tidied
-from hysdel_py.errors import ArgumentError
 from hysdel_py.geometry.polyhedron import Polyhedron
 from hysdel_py.systems.pwa import Pwa
 
@@ -87,8 +87,7 @@ def invariant_set(
     {'v': (-2.0, 2.0)}
     """
     pwa = pwa_of(system)
-    if not isinstance(rounds, int) or rounds < 1:
-        raise ArgumentError(f"rounds is {rounds!r}: a whole number of at least 1 was expected")
+    rounds = counted(rounds, 1, "rounds")
     allowed = hybrid_set({}, pwa.x, "within")
     states = allowed if within is None else hybrid_set(within, pwa.x, "within") & allowed
     for k in range(1, rounds + 1):
@@ -131,8 +130,7 @@ def feasible_states(
     pwa = with_output_limits(pwa_of(system), outputs or {})
     allowed = hybrid_set({} if within is None else within, pwa.x, "within")
     states = allowed if terminal is None else tidied(allowed & hybrid_set(terminal, pwa.x, "terminal"))
-    if not isinstance(steps, int) or steps < 0:
-        raise ArgumentError(f"steps is {steps!r}: a whole number of at least 0 was expected")
+    steps = counted(steps, 0, "steps")
     for k in range(1, steps + 1):
         states = reach_backward(pwa, states, 1, inputs=inputs).sets[1]
         if k < steps:

@@ -7,7 +7,6 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from numbers import Integral
 from typing import Any, Literal
 
 import numpy as np
@@ -15,6 +14,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from hysdel_py.analysis.affine_lyapunov import cut_along_steps, cut_at_origin, search_affine
 from hysdel_py.analysis.cells import AffineLaw, Cell, cells_of, escape, thin_cells
+from hysdel_py.analysis.counts import counted
 from hysdel_py.analysis.quadratic_lyapunov import (
     DEFAULT_LYAPUNOV_TOLERANCES,
     LyapunovTolerances,
@@ -166,10 +166,8 @@ def _of_kind(
 
 
 def _affine(cells: tuple[Cell, ...], cuts: int, tolerances: LyapunovTolerances) -> Lyapunov:
-    if isinstance(cuts, bool) or not isinstance(cuts, Integral) or cuts < 0:
-        raise ArgumentError(f"cuts is {cuts!r}: a whole number of at least 0 was expected")
     cells = cut_at_origin(cells, [at_origin(cell, tolerances) for cell in cells])
-    for _ in range(cuts):
+    for _ in range(counted(cuts, 0, "cuts")):
         cells = cut_along_steps(cells)
     n = len(cells[0].f)
     found = search_affine(cells, [at_origin(cell, tolerances) for cell in cells], tolerances.origin)

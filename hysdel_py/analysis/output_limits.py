@@ -32,6 +32,8 @@ def with_output_limits(pwa: Pwa, outputs: Mapping[str, Span]) -> Pwa:
     ArgumentError
         An unknown name, or an interval upside down.
     """
+    if not isinstance(outputs, Mapping):
+        raise ArgumentError(f"outputs: expected names with values or (low, high), found {type(outputs).__name__}")
     low, high = box_of({v.name: (-np.inf, np.inf) for v in pwa.y} | dict(outputs), pwa.y, "outputs")
     chosen = [i for i, v in enumerate(pwa.y) if v.name in outputs]
     return replace(pwa, modes=tuple(_limited(mode, pwa, chosen, low, high) for mode in pwa.modes)) if chosen else pwa

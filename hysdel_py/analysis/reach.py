@@ -16,6 +16,7 @@ from typing import TYPE_CHECKING, Any, Literal, Protocol
 import numpy as np
 from numpy.typing import ArrayLike
 
+from hysdel_py.analysis.counts import counted
 from hysdel_py.analysis.hybrid_set import HybridSet, Piece, Span, box_of, hybrid_set
 from hysdel_py.analysis.pwa_branches import Branch, branches_of
 from hysdel_py.analysis.reach_images import Backward, Forward
@@ -193,8 +194,8 @@ class _Course:
     progress: Progress | None
 
     def __post_init__(self) -> None:
-        if self.steps < 0 or self.most < 1:
-            raise ArgumentError(f"steps must be at least 0 and most at least 1; found {self.steps} and {self.most}")
+        object.__setattr__(self, "steps", counted(self.steps, 0, "steps"))
+        object.__setattr__(self, "most", counted(self.most, 1, "most"))
 
     def each(self, function: Forward | Backward, pieces: Sequence[Piece]) -> list[Piece]:
         """Results of all pieces, in their order."""

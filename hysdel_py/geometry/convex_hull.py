@@ -16,7 +16,7 @@ Vector = NDArray[np.float64]
 Matrix = NDArray[np.float64]
 
 _LOST = 1e-9
-"""A coordinate with less than this in all rows of unit length is lost in linear programs, and the set has no end there."""
+"""A coordinate with less than this in all rows of unit length is lost in linear programs: the set has no end there."""
 
 _NO_ROW = 1e-10
 """A vertex of the polar this close to the origin, relative to the farthest one, gives no row."""

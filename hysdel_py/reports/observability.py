@@ -4,9 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
-from operator import index
+from numbers import Real
 
 from hysdel_py.analysis.consistency import Clock
+from hysdel_py.analysis.counts import counted
 from hysdel_py.analysis.encoding import ranges_by_definition
 from hysdel_py.analysis.hybrid_set import Span
 from hysdel_py.analysis.safety import Found, Question, Searcher, Verdict
@@ -85,7 +86,7 @@ def observability(
     'indistinguishable'
     """
     check_model(model, seconds)
-    dha, count = model.dha, _counted(steps)
+    dha, count = model.dha, counted(steps, 1, "steps")
     if not dha.y:
         raise ArgumentError(f"{model.name} has no outputs: nothing is seen of its states")
     vector, variables = _asked(of, dha)
@@ -107,16 +108,6 @@ def observability(
     )  # fmt: skip
 
 
-def _counted(steps: int) -> int:
-    try:
-        count = 0 if isinstance(steps, bool) else index(steps)
-    except TypeError:
-        count = 0
-    if count < 1:
-        raise ArgumentError(f"steps is {steps!r}: a whole number of at least 1 was expected")
-    return count
-
-
 def _asked(of: str | Sequence[str], dha: Dha) -> tuple[str, tuple[Variable, ...]]:
     """The letter of a vector and the variables of it that have to be told."""
     if isinstance(of, str) and of in ("states", "modes"):
@@ -124,7 +115,7 @@ def _asked(of: str | Sequence[str], dha: Dha) -> tuple[str, tuple[Variable, ...]
         if not found:
             raise ArgumentError(f"{dha.name} has no {'states' if of == 'states' else 'Boolean auxiliaries'}")
         return vector, found
-    names = (of,) if isinstance(of, str) else tuple(of)
+    names = (of,) if isinstance(of, str) else tuple(of) if isinstance(of, Sequence) else ()
     for vector, variables in (("x", dha.x), ("d", dha.d)):
         known = {v.name: v for v in variables}
         if names and all(name in known for name in names):
@@ -142,13 +133,19 @@ def _distances(given: Share, variables: Sequence[Variable], dha: Dha, what: str)
         missing = [v.name for v in variables if v.name not in given]
         if unknown or missing:
             raise ArgumentError(f"{what}: a distance for each of {', '.join(v.name for v in variables)} was expected")
-        found = {name: float(value) for name, value in given.items()}
+        found = {name: _number(value, what) for name, value in given.items()}
     else:
-        found = {v.name: float(given) * _width(v, dha, what) for v in variables}
+        found = {v.name: _number(given, what) * _width(v, dha, what) for v in variables}
     wrong = [f"{name} has {value:g}" for name, value in found.items() if not 0 < value < float("inf")]
     if wrong:
         raise ArgumentError(f"{what}: a positive distance was expected, {wrong[0]}")
     return found
+
+
+def _number(value: object, what: str) -> float:
+    if isinstance(value, bool) or not isinstance(value, Real):
+        raise ArgumentError(f"{what}: a number was expected, found {value!r}")
+    return float(value)
 
 
 def _width(variable: Variable, dha: Dha, what: str) -> float:
@@ -164,6 +161,8 @@ def _width(variable: Variable, dha: Dha, what: str) -> float:
 
 
 def _doubled(x0: Mapping[str, Span]) -> dict[str, Span]:
+    if not isinstance(x0, Mapping):
+        raise ArgumentError(f"x0: expected names with values or (low, high), found {type(x0).__name__}")
     return {of_copy(copy, name): ends for copy in COPIES for name, ends in x0.items()}
 
 

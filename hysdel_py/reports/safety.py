@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import replace
+from numbers import Real
 from operator import index
 from typing import TYPE_CHECKING
 
@@ -198,7 +199,7 @@ def check_model(model: Model, seconds: float) -> None:
     if model.dha.undefined_but_used:
         names = ", ".join(model.dha.undefined_but_used)
         raise SimulationError((f"the auxiliary variable {names} is used but never defined: the model has no step",))
-    if not seconds > 0:
+    if not isinstance(seconds, Real) or not seconds > 0:
         raise ArgumentError(f"seconds is {seconds!r}: a positive number was expected")
 
 

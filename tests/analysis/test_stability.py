@@ -89,6 +89,24 @@ def test_affine_function_falls_along_runs(seed):
         assert found.value(after) <= found.value(x) - 0.9 * np.abs(x).max() + 1e-9
 
 
+def test_cuts_give_the_saturated_double_integrator_an_affine_function():
+    model = hys.load("""SYSTEM s { INTERFACE { STATE { REAL p [-5, 5]; REAL v [-2, 2]; } } IMPLEMENTATION {
+      AUX { BOOL hi, lo; REAL up, down; } AD { hi = 0.4*p + 1.2*v < -1; lo = 0.4*p + 1.2*v > 1; }
+      DA { up = {IF hi THEN 1 + 0.4*p + 1.2*v ELSE 0}; down = {IF lo THEN 0.4*p + 1.2*v - 1 ELSE 0}; }
+      CONTINUOUS { p = p + v; v = v - 0.4*p - 1.2*v + up + down; } } }""")
+    assert not hys.lyapunov(model, "affine").found
+    found = hys.lyapunov(model, "affine", cuts=1)
+    assert found.found
+    assert not found.is_kept  # from the corners runs leave the ranges
+    kept = 0
+    for x in np.random.default_rng(1).uniform([-5, -2], [5, 2], (60, 2)):
+        after = model.dha.step(x)[0]
+        if np.all(np.abs(after) <= [5, 2]):
+            kept += 1
+            assert found.value(after) < found.value(x)
+    assert kept > 20
+
+
 def test_affine_function_is_not_found_where_runs_grow():
     found = hys.lyapunov(hys.load(PLANE.format(a=2, b=-2, c=1)), "affine", cuts=1)
     assert not found.found
@@ -153,8 +171,10 @@ def test_wrong_arguments(law):
         hys.lyapunov(model, "affine", law=law, equilibrium="a")
     with pytest.raises(ArgumentError, match="in no cell"):
         hys.lyapunov(model, "affine", law=law, equilibrium=[7])
-    with pytest.raises(ArgumentError, match="period of at least 1"):
+    with pytest.raises(ArgumentError, match="longest is 0: a whole number of at least 1"):
         hys.limit_cycles(model, 0, law=law)
+    with pytest.raises(ArgumentError, match="a int was given"):
+        hys.lyapunov(model, "affine", law=3)
     with pytest.raises(ArgumentError, match="give a law"):
         hys.limit_cycles(model, 2)
 
@@ -182,7 +202,8 @@ def test_modes_without_inner_points_take_part_in_cycles():
 
 
 @pytest.mark.parametrize(
-    ("threshold", "there", "words"), [(0, 0.9, "no equilibrium"), (0.5, 0.25, "inner points"), (0.5, 0, None), (0, 0, None)]
+    ("threshold", "there", "words"),
+    [(0, 0.9, "no equilibrium"), (0.5, 0.25, "inner points"), (0.5, 0, None), (0, 0, None)],
 )
 def test_a_mode_of_single_states_is_not_passed_over(threshold, there, words):
     # With 0.25 a run from 1 comes to rest at the threshold 0.5.

@@ -103,6 +103,11 @@ def test_wrong_arguments():
         ("positive distance", {"apart": 0}),
         ("a distance for each of x", {"apart": {"b": 1}}),
         ("at least 1", {"steps": 0}),
+        ("a number was expected", {"apart": "far"}),
+        ("a number was expected", {"resolution": {"y": None}}),
+        ("names of states", {"of": 5}),
+        ("x0: expected names", {"x0": "x >= 0"}),
+        ("a positive number", {"seconds": "3"}),
     ):
         with pytest.raises(ArgumentError, match=words):
             hys.observability(model, **({"steps": 2} | given))
