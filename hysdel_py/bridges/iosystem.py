@@ -123,7 +123,7 @@ def _rounded(values: Vector, variables: Sequence[Variable]) -> Vector:
 
 
 def _dt(system: Any, sample_time: float | None) -> float:
-    own = getattr(system, "sample_time", 1.0) if sample_time is None else sample_time
+    own: Any = getattr(system, "sample_time", 1.0) if sample_time is None else sample_time
     if not (isinstance(own, Real) and 0.0 < own < float("inf")):
         raise ArgumentError(f"sample_time is {own!r}: a positive number was expected")
     return float(own)
