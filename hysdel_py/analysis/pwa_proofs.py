@@ -60,7 +60,7 @@ def cell_rows(comparison: Comparison, cell: Cell, evaluation: Evaluation) -> Cel
     ends = np.array([ranges[v.name] for v in (*comparison.dha.x, *comparison.dha.u)], dtype=float).reshape(-1, 2)
     real = [row for row in rows if row[0].any()]
     fails = any(not row[0].any() and row[1] < 0.0 for row in rows)
-    A = np.array([row[0] for row in real]).reshape(-1, len(ends))
+    A = np.array([row[0] for row in real]).reshape(len(real), len(ends))
     b, most = (np.array([row[i] for row in real], dtype=float) for i in (1, 2))
     return CellRows(A, b, most, ends[:, 0], ends[:, 1], fails or not evaluation.is_possible)
 

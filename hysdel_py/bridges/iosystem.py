@@ -6,6 +6,7 @@ from collections.abc import Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
 from importlib import import_module
+from numbers import Real
 from typing import Any
 
 import numpy as np
@@ -92,8 +93,9 @@ def _names(*groups: Sequence[Variable]) -> tuple[list[str], ...]:
 
 def _linear(control: Any, lti: Lti, name: str | None, sample_time: float | None) -> Any:
     x, u, y = _names(lti.x, lti.u, lti.y)
-    dt = lti.ts if sample_time is None else sample_time
-    return control.ss(lti.A, lti.B, lti.C, lti.D, dt, states=x, inputs=u, outputs=y, name=name or lti.name or "lti")
+    dt = _dt(lti, lti.ts if sample_time is None else sample_time)
+    label = _identifier(name or lti.name or "lti")
+    return control.ss(lti.A, lti.B, lti.C, lti.D, dt, states=x, inputs=u, outputs=y, name=label)
 
 
 def _plant(control: Any, system: Any, name: str | None, sample_time: float | None) -> Any:
@@ -121,8 +123,8 @@ def _rounded(values: Vector, variables: Sequence[Variable]) -> Vector:
 
 
 def _dt(system: Any, sample_time: float | None) -> float:
-    own = getattr(system, "sample_time", 1.0) if sample_time is None else sample_time
-    if not 0.0 < own < float("inf"):
+    own: Any = getattr(system, "sample_time", 1.0) if sample_time is None else sample_time
+    if not (isinstance(own, Real) and 0.0 < own < float("inf")):
         raise ArgumentError(f"sample_time is {own!r}: a positive number was expected")
     return float(own)
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from numbers import Real
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -113,11 +114,14 @@ def from_iosystem(system: Any, ts: float | None = None) -> IoPlant:
     Raises
     ------
     ArgumentError
-        Something else, or a continuous system.
+        Something else, a continuous system, or a wrong sample time.
     """
     labels = [getattr(system, f"{word}_labels", None) for word in ("state", "input", "output")]
     if None in labels or not hasattr(system, "dynamics"):
-        raise ArgumentError(f"system is a {type(system).__name__}: a system of python-control was expected")
+        raise ArgumentError(
+            f"system is a {type(system).__name__}: a system of python-control with states was expected, "
+            "as control.ss makes it of a transfer function"
+        )
     names, kinds = [tuple(group or ()) for group in labels], (Kind.STATE, Kind.INPUT, Kind.OUTPUT)
     x, u, y = (_variables(group, kind) for group, kind in zip(names, kinds, strict=True))
     return IoPlant(system, x, u, y, _sample_time(system, ts))
@@ -129,6 +133,8 @@ def _variables(names: Sequence[str], kind: Kind) -> tuple[Variable, ...]:
 
 def _sample_time(system: Any, ts: float | None) -> float:
     dt = getattr(system, "dt", None)
+    if ts is not None and not (isinstance(ts, Real) and 0.0 < ts < float("inf")):
+        raise ArgumentError(f"ts is {ts!r}: a positive number was expected")
     if dt is None or (dt is not True and dt == 0):
         raise ArgumentError("the system is continuous: a discrete one was expected, as control.sample_system gives it")
     if dt is True:

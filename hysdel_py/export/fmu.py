@@ -38,6 +38,7 @@ _COMPILERS = ("cc", "gcc", "clang")
 _FLAGS = ("-std=c99", "-O2", "-shared", "-fPIC", "-fvisibility=hidden")
 _DATE = (1980, 1, 1, 0, 0, 0)
 _WORD = {"x86_64": "64", "amd64": "64", "i386": "32", "i686": "32"}
+_TAKEN = ("fmi2", "fmu_model", "float", "math", "stddef", "stdint", "string", "limits")
 _SYSTEMS = {"linux": ("linux", ".so"), "darwin": ("darwin", ".dylib"), "win32": ("win", ".dll")}
 
 
@@ -99,7 +100,7 @@ def to_fmu(
     'no library was asked for: importers have to compile the sources'
     """
     target = unit_path(path)
-    prefix = prefix_of(target)
+    prefix = _identifier(target)
     model = fmu_model(system, x0, sample_time)
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
@@ -119,14 +120,24 @@ def unit_path(path: str | PathLike[str]) -> Path:
     Raises
     ------
     ArgumentError
-        It does not end in .fmu, or its folder does not exist.
+        It is no path, does not end in .fmu, is a folder, or its own folder does not exist.
     """
+    if not isinstance(path, str | PathLike):
+        raise ArgumentError(f"path is {path!r}: a name that ends in .fmu was expected")
     target = Path(path)
     if target.suffix != ".fmu":
         raise ArgumentError(f"{target}: a name that ends in .fmu was expected")
     if not target.parent.is_dir():
         raise ArgumentError(f"{target}: the folder {target.parent} does not exist")
+    if target.is_dir():
+        raise ArgumentError(f"{target}: this is a folder, a file was expected")
     return target
+
+
+def _identifier(target: Path) -> str:
+    """Model identifier; the sources that are named after it are neither ours nor headers of C."""
+    prefix = prefix_of(target)
+    return f"c_{prefix}" if prefix.lower() in _TAKEN else prefix
 
 
 def _write_sources(model: FmuModel, folder: Path, prefix: str) -> list[str]:
@@ -149,6 +160,8 @@ def find_compiler(compiler: str | None) -> str | None:
     """
     if compiler is None:
         return None
+    if not isinstance(compiler, str):
+        raise ArgumentError(f'compiler is {compiler!r}: a command, "auto" or None was expected')
     if compiler != "auto":
         found = shutil.which(compiler)
         if found is None:

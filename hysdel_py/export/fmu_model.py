@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
+from numbers import Real
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -108,7 +109,7 @@ def fmu_model(
             )
         model = plant_model(dha, getattr(system, "sample_time", 1.0), getattr(system, "typed", None))
     if sample_time is not None:
-        if not 0.0 < sample_time < float("inf"):
+        if not (isinstance(sample_time, Real) and 0.0 < sample_time < float("inf")):
             raise ArgumentError(f"sample_time is {sample_time!r}: a positive number was expected")
         model = replace(model, sample_time=float(sample_time))
     return model if x0 is None else replace(model, start=tuple(as_vector(x0, model.x, "state").tolist()))

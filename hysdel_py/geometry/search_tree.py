@@ -169,7 +169,7 @@ class SearchTreeBuilder:
 
     def build(self) -> SearchTree:
         """The tree."""
-        normals = np.array([node.normal for node in self._nodes]).reshape(-1, self._dimension)
+        normals = np.array([node.normal for node in self._nodes]).reshape(len(self._nodes), self._dimension)
         offsets = np.array([node.offset for node in self._nodes], dtype=float)
         gaps = np.array([node.gap for node in self._nodes], dtype=float)
         children = [[self._code(child) for child in node.children] for node in self._nodes]

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
+from itertools import pairwise
 
 import numpy as np
 
@@ -261,7 +262,7 @@ def _coefficients(mld: Mld) -> list[np.ndarray[tuple[int], np.dtype[np.float64]]
 
     matrix = hstack([mld.E2, mld.E3, mld.E1, mld.E4], format="csr")
     matrix.eliminate_zeros()
-    return np.split(matrix.data, matrix.indptr[1:-1])
+    return [matrix.data[a:b] for a, b in pairwise(matrix.indptr)]
 
 
 def _scalings(mld: Mld) -> Iterator[Scaling]:
@@ -269,7 +270,7 @@ def _scalings(mld: Mld) -> Iterator[Scaling]:
 
     matrix = csc_array(hstack([mld.E2, mld.E3, mld.E1, mld.E4]))
     matrix.eliminate_zeros()
-    columns = np.split(matrix.data, matrix.indptr[1:-1])
+    columns = (matrix.data[a:b] for a, b in pairwise(matrix.indptr))
     for variable, column in zip((*mld.d, *mld.z, *mld.u, *mld.x), columns, strict=True):
         if column.size:
             sizes = np.abs(column)

@@ -143,6 +143,9 @@ def test_a_system_from_there_is_a_plant_here(control):
         (lambda c: c.tf([1], [1, 1]), None, "a system of python-control|continuous"),
         (lambda c: c.ss(-1, 1, 1, 0), None, "the system is continuous"),
         (lambda c: c.ss(0.5, 1, 1, 0, 0.1), 0.2, "ts is 0.2, but the system is sampled with 0.1"),
+        (lambda c: c.ss(0.5, 1, 1, 0, True), -1.0, r"ts is -1\.0: a positive number"),
+        (lambda c: c.ss(0.5, 1, 1, 0, True), "a", "ts is 'a': a positive number"),
+        (lambda c: c.ss(0.5, 1, 1, 0, True), float("nan"), "ts is nan: a positive number"),
         (lambda c: 3, None, "system is a int"),
     ],
 )
@@ -154,7 +157,8 @@ def test_what_is_no_plant(control, make, ts, words):
 @pytest.mark.parametrize(
     ("system", "options", "words"),
     [(3, {}, "system is a int"), (TANK, {"ref": {"y": 1}}, "belong to a controller"),
-     (TANK, {"sample_time": -1.0}, "sample_time is -1.0")],
+     (TANK, {"sample_time": -1.0}, "sample_time is -1.0"), (TANK, {"sample_time": "a"}, "sample_time is 'a'"),
+     (hys.Lti([[1]], [[1]]), {"sample_time": 0.0}, "sample_time is 0.0")],  # python-control: 0 is continuous
 )  # fmt: skip
 def test_wrong_arguments(control, system, options, words):
     with pytest.raises(ArgumentError, match=words):

@@ -12,6 +12,13 @@ def test_page_of_a_model(hysdel, tmp_path):
     assert (tmp_path / "tank.html").read_text(encoding="utf-8").startswith("<!DOCTYPE html>")
 
 
+@pytest.mark.parametrize("command", [["report"], ["audit"], ["verify"], ["show", "--form", "pwa"]])
+def test_a_model_of_nothing_has_a_page_and_one_mode(hysdel, tmp_path, command):
+    (tmp_path / "empty.hys").write_text("SYSTEM empty { INTERFACE { } IMPLEMENTATION { } }", encoding="utf-8")
+    shown = hysdel(command[0], "empty.hys", *command[1:])
+    assert (shown.status, shown.err) == (0, "")
+
+
 @pytest.mark.parametrize("form", ["json", "csv"])
 def test_page_of_a_run(hysdel, tmp_path, form):
     shown = hysdel(*RUN, *(["--json"] if form == "json" else ["--csv", "run.csv"]))

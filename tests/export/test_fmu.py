@@ -96,6 +96,7 @@ def test_sources_compile_without_a_warning(tmp_path, make):
 @pytest.mark.parametrize(
     ("arguments", "words"),
     [
+        ((TANK, ""), "a name that ends in .fmu was expected"),
         ((TANK, "tank.zip"), "a name that ends in .fmu was expected"),
         ((TANK, "nowhere/tank.fmu"), "the folder .*nowhere does not exist"),
         ((3, "tank.fmu"), "system is a int: a Model, a Dha, or an explicit law"),
@@ -112,12 +113,29 @@ def test_wrong_arguments(tmp_path, arguments, words):
     [
         ({"x0": [1.0]}, "the state has shape"),
         ({"sample_time": 0.0}, "sample_time is 0.0"),
+        ({"sample_time": "1"}, "sample_time is '1'"),
+        ({"compiler": 5}, "compiler is 5: a command"),
         ({"compiler": "no-such-compiler"}, "compiler is 'no-such-compiler': there is no such command"),
     ],
 )
 def test_wrong_options(tmp_path, options, words):
     with pytest.raises(ArgumentError, match=words):
         hys.to_fmu(hys.load(TANK), tmp_path / "tank.fmu", **options)
+
+
+def test_paths_that_cannot_be_written(tmp_path):
+    (tmp_path / "folder.fmu").mkdir()
+    for path, words in ((tmp_path / "folder.fmu", "this is a folder"), (None, "path is None")):
+        with pytest.raises(ArgumentError, match=words):
+            hys.to_fmu(hys.load(TANK), path)
+
+
+@needs_gcc
+@pytest.mark.parametrize("name", ["fmi2", "fmu_model", "string", "FMI2"])
+def test_names_of_the_sources_of_every_unit_are_left_to_them(tmp_path, name):
+    assert hys.to_fmu(hys.load(TANK), tmp_path / f"{name}.fmu").platform
+    root = description(tmp_path / f"{name}.fmu")
+    assert next(root.iter("CoSimulation")).attrib["modelIdentifier"] == f"c_{name}"
 
 
 def test_a_model_without_a_step_is_refused(tmp_path):
@@ -249,6 +267,27 @@ def test_shorter_and_longer_communication_steps(tmp_path):
     unit.step(2.1, 0.0)
 
 
+@pytest.mark.parametrize(("start", "ts", "steps"), [(1.7e9, 1e-3, 500), (0.0, 1e-3, 600_000)])
+def test_times_that_miss_an_instant_by_rounding_are_that_instant(tmp_path, start, ts, steps):
+    """Seconds since 1970 have coarse digits, and a sum of many steps drifts: no sample is lost, no input is late."""
+    counter = """SYSTEM counter { INTERFACE { STATE { REAL n [0, 1e9], last [0, 1e9]; } INPUT { REAL u [0, 1e9]; } }
+        IMPLEMENTATION { CONTINUOUS { n = n + 1; last = u; } } }"""
+    unit = Unit(hys.load(counter), tmp_path / "counter.fmu", sample_time=ts)
+    unit.slave.reset()
+    unit.slave.setupExperiment(startTime=start)
+    unit.slave.enterInitializationMode()
+    unit.slave.exitInitializationMode()
+    edges = start + np.arange(steps + 1) * ts if start else np.cumsum(np.r_[0.0, np.full(steps, ts)])
+    if not start:  # the drift of the last steps, without the way there
+        unit.step(0.0, float(edges[-100]))
+        assert unit.get("n") == [steps - 99]
+        assert abs(edges[-100] / ts - (steps - 99)) > 1e-6
+    for k in range(steps - 99 if not start else 0, steps):
+        unit.set({"u": float(k)})
+        unit.step(float(edges[k]), ts)
+        assert unit.get("n", "last") == [k + 1, k]
+
+
 def test_what_a_step_violates_is_a_warning_and_a_number(tmp_path):
     model = hys.load(TANK)
     unit = Unit(model, tmp_path / "tank.fmu")
@@ -268,6 +307,7 @@ def test_wrong_calls_are_errors(tmp_path):
         lambda: unit.slave.getReal([unit.variables["was"].valueReference]),
         lambda: unit.step(0.0, -1.0),
         lambda: unit.step(7.0, 0.5),
+        lambda: unit.step(0.0, float("inf")),
     ):
         with pytest.raises(FMICallException):
             call()

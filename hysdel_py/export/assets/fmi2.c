@@ -4,6 +4,7 @@
  * goes on the inputs are held, and with them the outputs, until the next instant. */
 #include "fmu_model.h"
 
+#include <float.h>
 #include <stddef.h>
 #include <string.h>
 
@@ -117,13 +118,18 @@ static double instant(const Data *data, long samples)
     return data->start + (double)(data->done + samples) * SAMPLE_TIME;
 }
 
+/* How far two times may lie apart that are the same: importers add up steps, and large times have coarse digits. */
+static double slack(double time)
+{
+    return TIME_SLACK * SAMPLE_TIME + 8.0 * DBL_EPSILON * (time < 0.0 ? -time : time);
+}
+
 /* Move the time to an end that does not lie before it. */
 static fmi2Status advance(Instance *one, double end)
 {
     Data *data = &one->data;
     fmi2Status worst = fmi2OK;
-    const double slack = TIME_SLACK * SAMPLE_TIME;
-    while (end > instant(data, 0) + slack) {
+    while (end > instant(data, 0) + slack(end)) {
         if (!data->held) {
             if (evaluate(one) != fmi2OK)
                 return fmi2Error;
@@ -131,7 +137,7 @@ static fmi2Status advance(Instance *one, double end)
                 worst = fmi2Warning;
             data->held = 1;
         }
-        if (end < instant(data, 1) - slack)
+        if (end < instant(data, 1) - slack(end))
             break;
         memcpy(data->value, data->next, U * sizeof(double));
         data->done++;
@@ -404,8 +410,8 @@ PUBLIC fmi2Status NAME(fmi2DoStep)(fmi2Component c, fmi2Real now, fmi2Real size,
     (void)no_set_prior;
     if (one->data.phase != RUNNING)
         return wrong(one, "a step was asked for outside of the simulation");
-    if (!(size >= 0.0) || !(now >= one->data.now - TIME_SLACK * SAMPLE_TIME) ||
-        !(now <= one->data.now + TIME_SLACK * SAMPLE_TIME))
+    if (!(size >= 0.0 && size <= DBL_MAX) || !(now >= one->data.now - slack(now)) ||
+        !(now <= one->data.now + slack(now)))
         return wrong(one, "steps were expected behind each other, none of them backward");
     return advance(one, now + size);
 }
