@@ -20,7 +20,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hysdel_py.control.move import Move
-from hysdel_py.demos.shifts.cases import HORIZON, Shift
+from hysdel_py.demos.shifts.cases import HORIZON, Part, Shift
 from hysdel_py.demos.shifts.references import SAMPLE_TIME
 from hysdel_py.demos.shifts.transmission import Transmission, engine_limit
 
@@ -35,7 +35,8 @@ BRAKED = 6.0
 """By how much the brake adds to it, c [rad/s^2 per N]."""
 _NOISES = 3.0  # standard deviations of the flywheel speed
 _FALL = {"Te": 390.0, "Fnb": 490.0}  # Nm/s and N/s, a little less than the actuators can
-_MOST_TORQUE = 0.99 * 145.0
+_SHARE = 0.99  # of the ranges, that limits of plans leave
+_MOST_TORQUE = _SHARE * 145.0
 _LEAST = 0.01
 _STEPS = np.arange(HORIZON + 1)
 
@@ -86,18 +87,22 @@ class Margins:
         """The limit of a brake that has to go off as fast as it can."""
         return 0.0, np.maximum(self._reach("Fnb", seen[1], min(grip[1], 1.0)), 0.0)
 
+    @property
+    def _own(self) -> Part:
+        return self.shift.release if self.part == 1 else self.shift.engage
+
     def _brake(self, seen: Vector, grip: float) -> Vector:
-        own = (self.shift.release, self.shift.engage)[self.part - 1].brake_force
-        most = np.full(HORIZON + 1, grip * (0.99 * self.shift.force if own is None else own))
+        own = self._own.brake_force
+        most = np.full(HORIZON + 1, grip * (_SHARE * self.shift.force if own is None else own))
         if self.part == 1:
             return most
         wheel = self._ahead("wf", self.data.flywheel_speed(seen[4], seen[5]))
         room = np.maximum(self.rule - self._flywheel_margin() - wheel, 0.0)
-        return np.minimum(most, np.maximum(releasable(room, grip * _FALL["Fnb"]), self._reach("Fnb", seen[1], grip)))
+        near = np.maximum(releasable(room, grip * _FALL["Fnb"]), self._reach("Fnb", seen[1], grip))
+        return np.asarray(np.minimum(most, near), dtype=float)
 
     def _clutch(self, grip: float) -> Vector:
-        own = (self.shift.release, self.shift.engage)[self.part - 1].clutch_force
-        return np.full(HORIZON + 1, grip * 0.99 * own)
+        return np.full(HORIZON + 1, grip * _SHARE * self._own.clutch_force)
 
     def _torque(self, seen: Vector) -> Vector:
         """The curve, less one standard deviation of a measured torque: three of an estimated one."""
@@ -114,10 +119,10 @@ class Margins:
             return np.full(HORIZON + 1, now)
         before = self._plan[name][1:]
         led = np.append(before, np.repeat(before[-1], HORIZON + 1 - len(before)))
-        return now + led - led[0]
+        return np.asarray(now + led - led[0], dtype=float)
 
     def _reach(self, name: str, now: float, share: float) -> Vector:
-        return now - share * SAMPLE_TIME * _FALL[name] * _STEPS
+        return np.asarray(now - share * SAMPLE_TIME * _FALL[name] * _STEPS, dtype=float)
 
 
 def releasable(room: Vector, rate: float) -> Vector:

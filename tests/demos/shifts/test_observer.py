@@ -77,3 +77,11 @@ def test_sensors_repeat_themselves_and_know_their_states():
         Sensors({"speed": 1.0})
     with pytest.raises(ArgumentError, match="noise of we is -1"):
         Sensors({"we": -1})
+
+
+def test_torque_and_forces_follow_the_rates_and_lose_most_of_their_noise():
+    observer, sensors = ShiftObserver(DATA, 2, 0.01, 1.0, 0.005), Sensors(NOISE, 5)
+    seen, fine = slipping_run(observer, sensors, Deviation(delay=0.005), 60)
+    engine = np.array([estimate[0] - fine[k][9][0] for k, (_, estimate) in enumerate(seen)])
+    assert abs(engine[20:].mean()) < 0.3
+    assert engine[20:].std() < 0.5 * NOISE["Te"]
