@@ -124,7 +124,8 @@ def _rounded(values: Vector, variables: Sequence[Variable]) -> Vector:
 
 def _dt(system: Any, sample_time: float | None) -> float:
     own: Any = getattr(system, "sample_time", 1.0) if sample_time is None else sample_time
-    if not (isinstance(own, Real) and 0.0 < own < float("inf")):
+    is_number = isinstance(own, Real)
+    if not (is_number and 0.0 < own < float("inf")):
         raise ArgumentError(f"sample_time is {own!r}: a positive number was expected")
     return float(own)
 
