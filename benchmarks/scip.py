@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import sys
 import time
 from dataclasses import dataclass
 from typing import Any
@@ -38,7 +39,12 @@ def solve(miqp: Miqp, *, gap_rel: float, time_limit: float, feasibility: float |
     if feasibility is not None:
         model.setParam("numerics/feastol", feasibility)
     start, processor = time.perf_counter(), time.process_time()
-    model.optimize()
+    try:
+        model.optimize()
+    except Exception as error:  # noqa: BLE001  (pyscipopt raises nothing more special)
+        print(f"SCIP gave up: {error}", file=sys.stderr)
+        seconds, processor = time.perf_counter() - start, time.process_time() - processor
+        return ScipAnswer("error", np.inf, -np.inf, 0, seconds, processor)
     seconds, processor = time.perf_counter() - start, time.process_time() - processor
     found = model.getNSols() > 0
     return ScipAnswer(
