@@ -41,7 +41,7 @@ def solve(miqp: Miqp, *, gap_rel: float, time_limit: float, feasibility: float |
     start, processor = time.perf_counter(), time.process_time()
     try:
         model.optimize()
-    except Exception as error:  # noqa: BLE001  (pyscipopt raises nothing more special)
+    except Exception as error:  # pyscipopt raises nothing more special
         print(f"SCIP gave up: {error}", file=sys.stderr)
         seconds, processor = time.perf_counter() - start, time.process_time() - processor
         return ScipAnswer("error", np.inf, -np.inf, 0, seconds, processor)
