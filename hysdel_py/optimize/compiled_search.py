@@ -229,13 +229,15 @@ class CompiledSearch:
         """Load or compile the loop and what comes after it, so that the first search does not have to wait for them."""
         from hysdel_py.optimize.kernels.cover import keep_open, later
         from hysdel_py.optimize.kernels.residual import violations
+        from hysdel_py.optimize.kernels.tree import least_open
 
-        if self._start(Hints()):
-            self._loop(0)
+        self._start(Hints())  # may well find the program empty, without the numbers of a call
+        self._loop(0)
         space, problem, (lb, ub) = self.space, self.data[0], self.data[3]
         nowhere = np.full(len(problem[3]), -1, dtype=np.int64)
         violations(space.dense.rows, problem[3], problem[4], lb, ub, np.zeros(len(lb)))
         keep_open(space.tree, np.zeros_like(space.state[2]), space.recorded)
+        least_open(space.tree[2], space.tree[7], np.zeros_like(space.state[2]))
         later(space.nothing_carried, 0, np.zeros(len(lb)), 1, 1, nowhere)
 
     def _start(self, hints: Hints) -> bool:

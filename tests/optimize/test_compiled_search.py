@@ -1,10 +1,14 @@
 """The compiled loop: its certificates against the vectorised ones, its answers whatever the slices and the help."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
 from hysdel_py.optimize import compiled_search
 from hysdel_py.optimize.certificate import Certifier
+from hysdel_py.optimize.compiled import kernels_are_compiled
+from hysdel_py.optimize.compiled_search import CompiledSearch
 from hysdel_py.optimize.dense import DenseSettings, dense_solver
 from hysdel_py.optimize.kernels.certificate import bound_below, excess, farkas_bound
 from hysdel_py.optimize.miqp import MiqpSettings, MiqpSolver, MiqpStatus, solve_miqp
@@ -126,6 +130,15 @@ def test_warming_up_leaves_nothing_to_compile(two_mode_problem):
         solver = MiqpSolver(two_mode_problem(horizon=4), MiqpSettings(backend="dense"))
         solver.solve(point=best.x, active=best.active, incumbent=best.x)
         assert (len(kernel.run.signatures), len(kernel.start.signatures)) == before
+
+
+@pytest.mark.skipif(not kernels_are_compiled(), reason="nothing to rehearse without numba")
+def test_a_program_that_is_empty_without_the_numbers_of_a_call_is_rehearsed_all_the_same(two_mode_problem, monkeypatch):
+    miqp, entered = two_mode_problem(horizon=2), []
+    loop = CompiledSearch._loop
+    monkeypatch.setattr(CompiledSearch, "_loop", lambda self, nodes: entered.append(nodes) or loop(self, nodes))
+    MiqpSolver(replace(miqp, qp=miqp.qp.with_vectors(l=miqp.qp.u + 1.0)), MiqpSettings(backend="dense"))
+    assert entered == [0]
 
 
 @pytest.mark.parametrize("seed", range(12))
