@@ -37,6 +37,7 @@ GAP = 1e-4
 SMALL_COST = peers.GAP_ABS / GAP
 """Below this cost the absolute gap is the larger one."""
 WARM = "warm"
+PEERS = ("gurobi", "cplex", "scip")
 
 Vector = NDArray[np.float64]
 Ask = Callable[[Vector, Any], Answer]
@@ -235,6 +236,25 @@ def summary(loops: list[Loop]) -> Iterator[str]:
     yield f"disagreements between proven optima beyond {100 * GAP:g} %: {wrong}"
 
 
+def beside_best(loops: list[Loop]) -> Iterator[str]:
+    """For each loop the quickest peer by its median, and its figures divided by those of our warm engine."""
+    yield "quickest peer of each loop: its times divided by those of our warm engine, over the steps that both answered"
+    yield f"{'loop':>22} {'horizon':>7} {'peer':>7} {'steps':>6} {'median':>7} {'mean':>7} {'p95':>7} {'worst':>7}"
+    for loop in loops:
+        rivals = [(name, *_common(loop, name)) for name in PEERS if name in loop.answers]
+        if rivals:
+            name, theirs, ours = min(rivals, key=lambda rival: np.median(rival[1]) / np.median(rival[2]))
+            figures = [f(theirs) / f(ours) for f in (np.median, np.mean, lambda t: np.percentile(t, 95), np.max)]
+            text = " ".join(f"{figure:7.2f}" for figure in figures)
+            yield f"{loop.case:>22} {loop.horizon:>7} {name:>7} {len(ours):>6} {text}"
+
+
+def _common(loop: Loop, name: str) -> tuple[Vector, Vector]:
+    pairs = [(a.seconds, w.seconds) for a, w in zip(loop.answers[name], loop.answers[WARM], strict=False)]
+    theirs, ours = np.array(pairs).T
+    return theirs, ours
+
+
 # ---- picture --------------------------------------------------------------------------------------------------------
 
 STYLES = {"warm": ("#0072B2", "o-"), "cold": ("#0072B2", "o--"), "limited": ("#56B4E9", "o:"),
@@ -302,7 +322,7 @@ def arguments() -> argparse.Namespace:
     parser.add_argument("--node-limit", type=int, default=30, help="work limit of the column 'limited' (default 30)")
     parser.add_argument("--time-limit", type=float, default=8.0, help="milliseconds of the column 'timed' (default 8)")
     parser.add_argument("--seconds", type=float, default=2.0, help="time limit of every other solve (default 2)")
-    parser.add_argument("--solvers", nargs="*", default=["gurobi", "cplex", "scip"], help="peers that are asked")
+    parser.add_argument("--solvers", nargs="*", default=list(PEERS), help="peers that are asked")
     parser.add_argument("--budget", type=float, default=600.0, help="seconds for all loops together (default 600)")
     parser.add_argument("--json", metavar="FILE", help="write every answer")
     parser.add_argument("--plot", metavar="FILE", help="write a picture of the growth with the horizon")
@@ -319,7 +339,7 @@ def main() -> int:
         share = max(0.0, end - time.perf_counter()) / (len(pairs) - i)
         loops.append(run_loop(case, horizon, options, share))
         print(*table(loops[-1]), sep="\n", flush=True)
-    print(*summary(loops), sep="\n")
+    print(*beside_best(loops), *summary(loops), sep="\n")
     if options.json:
         Path(options.json).write_text(json.dumps(as_data(loops), indent=1) + "\n", encoding="utf-8")
     if options.plot:
