@@ -39,7 +39,7 @@ def run(options: argparse.Namespace) -> int:  # noqa: ARG001 -- all commands are
 
 def manual_page(root: Command, commands: tuple[Command, ...]) -> str:
     """The page in the language of man(7)."""
-    lines = [f'.TH HYSDEL 1 "" "hysdel_py {__version__}"', ".SH NAME", f"hysdel \\- {_text(_first(root.description))}",
+    lines = [f'.TH HYSDEL 1 "" "hysdel_py {__version__}"', ".ad l", ".SH NAME", f"hysdel \\- {_text(_first(root.description))}",
              ".SH SYNOPSIS", ".B hysdel", ".I COMMAND", "[options]", ".SH COMMANDS"]  # fmt: skip
     for command in commands:
         lines += [".TP", f".B {_text(command.name)}", _text(command.help)]
@@ -57,7 +57,8 @@ def _first(text: str) -> str:
 
 def _option(option: Option) -> Iterator[str]:
     names = ", ".join(f"\\fB{_text(flag)}\\fR" for flag in option.flags)
-    value = f"\\fI{_text(option.metavar)}\\fR" if option.metavar else ""
+    breakable = _text(option.metavar).replace("|", "|\\:") if option.metavar else ""
+    value = f"\\fI{breakable}\\fR" if option.metavar else ""
     yield ".TP"
     yield f"{names} {value}".strip()
     yield _text(" ".join(option.help.split()))

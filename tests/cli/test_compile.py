@@ -55,8 +55,8 @@ def test_npz_file(hysdel, tmp_path):
 @pytest.mark.parametrize(
     ("path", "words"),
     [
-        ("tank.txt", "--output tank.txt: a name that ends in .json, .npz, .mat, .m, .py or .c was expected"),
-        ("tank", "a name that ends in .json, .npz, .mat, .m, .py or .c was expected"),
+        ("tank.txt", "--output tank.txt: a name that ends in .json, .npz, .mat, .m, .py, .c or .fmu was expected"),
+        ("tank", "a name that ends in .json, .npz, .mat, .m, .py, .c or .fmu was expected"),
         ("nowhere/tank.json", "--output nowhere/tank.json: there is no folder nowhere"),
         ("folder.json", "--output folder.json: this is a folder"),
     ],

@@ -73,7 +73,7 @@ def complete_in_bash(script, folder, *words):
         (["simulate", "tank.hys", "--form", ""], {"dha", "mld"}),
         (["simulate", "ta"], {"tank.hys"}),
         (["check", "two_"], {"two_rooms", "two_tanks"}),
-        (["demo", "upshift-1"], {"upshift-12"}),
+        (["demo", "upshift-1"], {"upshift-12", "upshift-12-held"}),
         (["completion", ""], {"bash", "zsh", "fish"}),
         (["mpc", "--steps", ""], set()),
         (["compile", "--output", "ta"], {"tank.hys"}),
@@ -134,7 +134,7 @@ def test_manual_names_every_command_and_option(hysdel, tree):
         assert f".SH HYSDEL {command.name.upper().replace('-', chr(92) + '-')}\n" in page
         for flag in command.flags:
             assert flag.replace("-", "\\-") in page
-    assert not [line for line in page.splitlines() if re.match(r"\.(?!TH|SH|B |I |TP|PP|nf|fi)", line)]
+    assert not [line for line in page.splitlines() if re.match(r"\.(?!TH|SH|B |I |TP|PP|nf|fi|ad l)", line)]
 
 
 @needs("groff")

@@ -66,7 +66,7 @@ def test_with_a_plan(formulation, found, expected, words):
     assert move.u.tolist() == [0.5]
     assert (move.cost, move.bound, move.gap) == (10.0, 1.0, 9.0)
     assert words in move.message
-    assert plan.x[:, 0].tolist() == [3.0, -1.0, -0.8]
+    assert plan().x[:, 0].tolist() == [3.0, -1.0, -0.8]
 
 
 def test_a_plan_that_breaks_the_model_is_not_given_out(formulation):
