@@ -39,7 +39,8 @@ def run(options: argparse.Namespace) -> int:  # noqa: ARG001 -- all commands are
 
 def manual_page(root: Command, commands: tuple[Command, ...]) -> str:
     """The page in the language of man(7)."""
-    lines = [f'.TH HYSDEL 1 "" "hysdel_py {__version__}"', ".ad l", ".SH NAME", f"hysdel \\- {_text(_first(root.description))}",
+    lines = [f'.TH HYSDEL 1 "" "hysdel_py {__version__}"', ".ad l", ".SH NAME",
+             f"hysdel \\- {_text(_first(root.description))}",
              ".SH SYNOPSIS", ".B hysdel", ".I COMMAND", "[options]", ".SH COMMANDS"]  # fmt: skip
     for command in commands:
         lines += [".TP", f".B {_text(command.name)}", _text(command.help)]
