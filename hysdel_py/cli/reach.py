@@ -15,6 +15,7 @@ from hysdel_py.cli.progress import clear_progress, progress_line
 from hysdel_py.cli.verify import NOT_SETTLED
 from hysdel_py.errors import ArgumentError
 from hysdel_py.model import Model
+from hysdel_py.reports.columns import aligned
 from hysdel_py.reports.safety import can_reach
 from hysdel_py.reports.safety_answer import SafetyAnswer, SafetyVerdict
 
@@ -114,10 +115,9 @@ def _text(model: Model, found: Reach, *, backward: bool) -> str:
     kind = "the states themselves" if found.is_exact else "sets that hold the states"
     names = [v.name for v in found.sets[0].x]
     rows = [["k", "pieces", *names], *(_row(k, states, names) for k, states in enumerate(found.sets))]
-    widths = [max(len(row[i]) for row in rows) for i in range(len(rows[0]))]
     what = "steps before the target" if backward else "steps"
     lines = [f"{model.name}: {kind} after k {what}"]
-    lines += ["  " + "  ".join(c.rjust(w) for c, w in zip(row, widths, strict=True)).rstrip() for row in rows]
+    lines += aligned(rows)
     lines += [
         f"step {k}: {loss:.0%} of a box that stands for the pieces is empty"
         for k, loss in enumerate(found.losses)

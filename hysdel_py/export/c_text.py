@@ -14,6 +14,7 @@ from hysdel_py.errors import ArgumentError
 __all__ = [
     "array",
     "check_prefix",
+    "chosen_prefix",
     "comment",
     "float_text",
     "guard",
@@ -66,6 +67,11 @@ def check_prefix(prefix: str) -> str:
     if not _NAME.fullmatch(prefix) or prefix in _KEYWORDS:
         raise ArgumentError(f"prefix is {prefix!r}: a letter, then letters, digits and underscores were expected")
     return prefix
+
+
+def chosen_prefix(prefix: str | None, source: Path) -> str:
+    """The prefix that was asked for, checked, or that of the name of the file."""
+    return check_prefix(prefix) if prefix is not None else prefix_of(source)
 
 
 def guard(prefix: str) -> str:

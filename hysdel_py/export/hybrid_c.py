@@ -6,7 +6,7 @@ from collections.abc import Iterator, Sequence
 from os import PathLike
 
 from hysdel_py.control.hybrid_law import HybridLaw
-from hysdel_py.export.c_text import check_prefix, comment, guard, number_text, prefix_of, source_path
+from hysdel_py.export.c_text import chosen_prefix, comment, guard, number_text, source_path
 from hysdel_py.export.hybrid_points import hybrid_replay
 from hysdel_py.export.hybrid_table import HybridTable, hybrid_table
 from hysdel_py.export.law_c import LawCode, labels, write_lines
@@ -122,7 +122,7 @@ def hybrid_to_c(
     """
     source = source_path(path)
     header = source.with_suffix(".h")
-    name = check_prefix(prefix) if prefix is not None else prefix_of(source)
+    name = chosen_prefix(prefix, source)
     names = labels(law.names, units, len(law.names), "units")
     table = hybrid_table(law, Number.of(number))
     replay = hybrid_replay(law, table, points, seed)

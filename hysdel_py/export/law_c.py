@@ -14,7 +14,7 @@ from pathlib import Path
 from hysdel_py.control.explicit_law import ExplicitLaw
 from hysdel_py.control.law_signals import last_input_name
 from hysdel_py.errors import ArgumentError
-from hysdel_py.export.c_text import check_prefix, comment, float_text, guard, prefix_of, source_path
+from hysdel_py.export.c_text import chosen_prefix, comment, float_text, guard, source_path
 from hysdel_py.export.law_c_code import evaluation, prototype
 from hysdel_py.export.law_c_tables import c_tables
 from hysdel_py.export.law_c_test import self_test
@@ -122,7 +122,7 @@ def law_to_c(
     """
     source = source_path(path)
     header = source.with_suffix(".h")
-    name = check_prefix(prefix) if prefix is not None else prefix_of(source)
+    name = chosen_prefix(prefix, source)
     names = labels(law.names, units or _known_units(law), law.p, "units")
     move_names = labels(
         tuple(f"u{i}" for i in range(law.moves)), moves or _known_moves(law), law.moves, "moves", replaced=True

@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING
 
 from hysdel_py.diagnostics.sink import Sink
 from hysdel_py.errors import ArgumentError
-from hysdel_py.export.c_text import check_prefix, comment, guard, plain, prefix_of, source_path
+from hysdel_py.export.c_text import chosen_prefix, comment, guard, plain, source_path
 from hysdel_py.export.plant_c_step import step_body
 from hysdel_py.export.plant_c_test import plant_test
 from hysdel_py.export.plant_points import replay_steps
@@ -101,7 +101,7 @@ def write_plant(
     _refuse(dha, typed)
     source = source_path(path)
     header = source.with_suffix(".h")
-    name = check_prefix(prefix) if prefix is not None else prefix_of(source)
+    name = chosen_prefix(prefix, source)
     replay = replay_steps(dha, points, seed)
     code = [f"/* One step of {plain(dha.name)}, written by hysdel_py {__version__}. */", f'#include "{header.name}"',
             "#include <float.h>", "#include <stddef.h>", "", *step_body(dha, name, _prototype(name)),

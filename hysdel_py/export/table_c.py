@@ -16,7 +16,7 @@ import numpy as np
 
 from hysdel_py.control.dynamic_programming.checks import whole
 from hysdel_py.errors import ArgumentError
-from hysdel_py.export.c_text import array, check_prefix, comment, float_text, guard, index_type, number_text, prefix_of
+from hysdel_py.export.c_text import array, chosen_prefix, comment, float_text, guard, index_type, number_text
 from hysdel_py.export.table_c_test import table_test
 from hysdel_py.version import __version__
 
@@ -53,7 +53,7 @@ def table_to_c(
         A prefix that is no name in C, an unfinished table, or grids that differ from stage to stage.
     """
     source = Path(path).with_suffix(".c")
-    name = check_prefix(prefix) if prefix is not None else prefix_of(source)
+    name = chosen_prefix(prefix, source)
     if not table.complete:
         raise ArgumentError("the table is not finished: run the recursion to its end before writing code")
     if not _has_one_grid(table):

@@ -7,8 +7,7 @@ from dataclasses import dataclass
 from enum import Enum
 from typing import Any
 
-import numpy as np
-
+from hysdel_py.reports.columns import aligned, cell
 from hysdel_py.systems.trajectory import Trajectory
 
 __all__ = ["Observability", "ObservabilityVerdict"]
@@ -111,13 +110,11 @@ def _table(first: Trajectory, second: Trajectory) -> Iterator[str]:
     rows = [["k", *names["u"], *(f"{n} | {n}" for n in (*names["x"], *names["y"]))]]
     for k in range(first.steps + 1):
         inside = k < first.steps
-        pairs = [f"{_cell(a)} | {_cell(b)}" for a, b in zip(first.x[k], second.x[k], strict=True)]
-        pairs += [f"{_cell(a)} | {_cell(b)}" for a, b in zip(first.y[k], second.y[k], strict=True)] if inside else []
-        inputs = list(map(_cell, first.u[k])) if inside else [""] * len(names["u"])
+        pairs = [f"{cell(a)} | {cell(b)}" for a, b in zip(first.x[k], second.x[k], strict=True)]
+        pairs += [f"{cell(a)} | {cell(b)}" for a, b in zip(first.y[k], second.y[k], strict=True)] if inside else []
+        inputs = list(map(cell, first.u[k])) if inside else [""] * len(names["u"])
         rows.append([str(k), *inputs, *pairs, *[""] * (0 if inside else len(names["y"]))])
-    widths = [max(len(row[i]) for row in rows) for i in range(len(rows[0]))]
-    for row in rows:
-        yield "  " + "  ".join(cell.rjust(width) for cell, width in zip(row, widths, strict=True)).rstrip()
+    yield from aligned(rows)
 
 
 def _modes(first: Trajectory, second: Trajectory) -> Iterator[str]:
@@ -126,7 +123,3 @@ def _modes(first: Trajectory, second: Trajectory) -> Iterator[str]:
     named = [v.name for v in differing if not v.generated]
     if named:
         yield from ("", f"step 0: {', '.join(named)} differ")
-
-
-def _cell(value: Any) -> str:
-    return f"{np.round(value, 12) + 0.0:.6g}"

@@ -7,10 +7,9 @@ from dataclasses import dataclass
 from enum import Enum
 from typing import Any
 
-import numpy as np
-
 from hysdel_py.diagnostics.render import place
 from hysdel_py.model import Model
+from hysdel_py.reports.columns import aligned, cell
 from hysdel_py.syntax.source import Span
 from hysdel_py.systems.trajectory import Trajectory
 
@@ -111,14 +110,8 @@ def _table(run: Trajectory) -> Iterator[str]:
     rows = [["k", *names["x"], *names["u"], *names["y"]]]
     for k in range(run.steps + 1):
         rest = (*run.u[k], *run.y[k]) if k < run.steps else ("",) * (len(names["u"]) + len(names["y"]))
-        rows.append([str(k), *map(_cell, run.x[k]), *map(_cell, rest)])
-    widths = [max(len(row[i]) for row in rows) for i in range(len(rows[0]))]
-    for row in rows:
-        yield "  " + "  ".join(cell.rjust(width) for cell, width in zip(row, widths, strict=True)).rstrip()
-
-
-def _cell(value: Any) -> str:
-    return value if isinstance(value, str) else f"{np.round(value, 12) + 0.0:.6g}"
+        rows.append([str(k), *map(cell, run.x[k]), *map(cell, rest)])
+    yield from aligned(rows)
 
 
 def _changes(run: Trajectory, model: Model) -> Iterator[str]:

@@ -9,6 +9,7 @@ import numpy as np
 from hysdel_py.analysis.contradiction import Finding, Verdict
 from hysdel_py.analysis.horizon import MemberKind
 from hysdel_py.diagnostics.render import place
+from hysdel_py.reports.columns import aligned
 from hysdel_py.reports.parts import Part, steps_text
 from hysdel_py.semantics.typed_model import TypedModel
 from hysdel_py.syntax.source import Source
@@ -45,8 +46,7 @@ def _feasible(finding: Finding, run: Trajectory, steps: str, name: str) -> Itera
         yield "  (the model has no inputs)"
         return
     rows = [["k", *names], *([str(k), *(f"{v:.6g}" for v in row)] for k, row in enumerate(np.asarray(run.u) + 0.0))]
-    widths = [max(len(row[i]) for row in rows) for i in range(len(names) + 1)]
-    yield from ("  " + "  ".join(cell.rjust(w) for cell, w in zip(row, widths, strict=True)) for row in rows)
+    yield from aligned(rows)
 
 
 def _contradiction(
