@@ -24,6 +24,8 @@ __all__ = ["clip", "new_axes", "plot_graph", "plot_section"]
 
 _LINE = 34
 """Characters in a line of a label."""
+_TITLE = 110
+"""Characters in a line above a section."""
 _MOST_CONDITIONS = 12
 """Graphs of more modes than this show words without conditions."""
 
@@ -114,8 +116,12 @@ def _finish_graph(axes: Axes, pwa: Pwa, places: Mapping[int, Matrix]) -> None:
     axes.set_xlim(low[0] - margin[0], high[0] + margin[0])
     axes.set_ylim(low[1] - margin[1], high[1] + margin[1])
     axes.set_axis_off()
-    word = ", ".join(name for name, _ in pwa.modes[0].word) if pwa.modes else ""
-    axes.set_title(f"{pwa.name}: word = {word}; equal colours: equal dynamics; ↺: can stay", fontsize=9)
+    axes.set_title(f"{pwa.name}: word = {_letters(pwa)}; equal colours: equal dynamics; ↺: can stay", fontsize=9)
+
+
+def _letters(pwa: Pwa) -> str:
+    """Names of the Booleans in the words of the modes."""
+    return ", ".join(name for name, _ in pwa.modes[0].word) if pwa.modes else ""
 
 
 def plot_section(pwa: Pwa, horizontal: str, vertical: str, at: Mapping[str, float] | None = None) -> Figure:
@@ -147,7 +153,7 @@ def plot_section(pwa: Pwa, horizontal: str, vertical: str, at: Mapping[str, floa
             _fill(axes, corners, mode)
     axes.set_xlabel(across.label)
     axes.set_ylabel(upwards.label)
-    _section_title(axes, values, (horizontal, vertical))
+    _section_title(axes, values, (horizontal, vertical), _letters(pwa))
     return figure
 
 
@@ -203,9 +209,10 @@ def _fill(axes: Axes, corners: Matrix, mode: Mode) -> None:
         axes.text(float(middle[0]), float(middle[1]), str(mode.index), ha="center", va="center", fontsize=9)
 
 
-def _section_title(axes: Axes, values: Mapping[str, float], drawn: tuple[str, str]) -> None:
+def _section_title(axes: Axes, values: Mapping[str, float], drawn: tuple[str, str], letters: str) -> None:
     fixed = ", ".join(f"{name} = {value:.4g}" for name, value in values.items() if name not in drawn)
-    axes.set_title(f"at {fixed}" if fixed else "", fontsize=8, loc="left")
+    lines = [f"at {fixed}"] * bool(fixed) + [f"word = {letters}"] * bool(letters)
+    axes.set_title("\n".join(fill(line, _TITLE) for line in lines), fontsize=8, loc="left")
     handles, names = axes.get_legend_handles_labels()
     if names:
         axes.legend(handles, names, title="mode", loc="center left", bbox_to_anchor=(1.01, 0.5), frameon=False,
