@@ -45,9 +45,11 @@ def _present(item: Any) -> Any:
 
 
 def on_files(files: Files, config: Any) -> Files:
-    """Add the shipped models, and put fresh pictures in the place of those in the repository."""
+    """Add the shipped models and the search from the disk, and put fresh pictures in the place of those kept."""
     for path in sorted((ROOT / "models").iterdir()):
         files.append(File.generated(config, f"models/{path.name}", abs_src_path=str(path)))
+    worker = Path(__file__).with_name("iframe-worker.js")
+    files.append(File.generated(config, f"assets/{worker.name}", abs_src_path=str(worker)))
     for name, content in _gallery().pictures():
         _replace(files, File.generated(config, f"pictures/gallery/{name}", content=content))
     return files

@@ -1,35 +1,17 @@
 """The page in a browser: clicks, keys, the pointer, and both colour schemes."""
 
-import os
-import shutil
-
 import pytest
+from browsers import NEEDED, started
 from reports.test_page import HOSTILE
 
 import hysdel_py as hys
 
-selenium = pytest.importorskip("selenium", reason="selenium is not installed: pip install selenium")
-BROWSER, DRIVER = shutil.which("chromium") or shutil.which("google-chrome"), shutil.which("chromedriver")
-pytestmark = pytest.mark.skipif(
-    BROWSER is None or DRIVER is None,
-    reason="no browser to look with: install chromium and chromedriver (Debian: apt install chromium chromium-driver)",
-)
-FLAGS = (
-    "--headless", "--no-sandbox", "--disable-gpu", "--disable-quic", "--no-first-run",
-    "--disable-background-networking", "--disable-component-update", "--disable-sync", "--window-size=1200,1600",
-)  # fmt: skip
+pytestmark = NEEDED
 
 
 @pytest.fixture(scope="module")
 def browser(tmp_path_factory):
-    from selenium.webdriver import Chrome, ChromeOptions, ChromeService
-
-    options = ChromeOptions()
-    options.binary_location = BROWSER
-    for flag in (*FLAGS, f"--user-data-dir={tmp_path_factory.mktemp('profile')}"):
-        options.add_argument(flag)
-    options.set_capability("goog:loggingPrefs", {"browser": "ALL"})
-    driver = Chrome(options=options, service=ChromeService(DRIVER, log_output=os.devnull))
+    driver = started(tmp_path_factory.mktemp("profile"))
     yield driver
     driver.quit()
 
