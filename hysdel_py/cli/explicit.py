@@ -12,7 +12,7 @@ from typing import Any
 
 from hysdel_py.cli.arguments import add_model, add_output, assignments, load_model
 from hysdel_py.cli.controller import add_demands, add_shape, all_limits, blocking_of, cost_of, references_of, spans
-from hysdel_py.cli.output import check_target, print_json
+from hysdel_py.cli.output import PICTURES, check_picture, check_target, print_json
 from hysdel_py.cli.progress import clear_progress, counter
 from hysdel_py.cli.writers import report_unit
 from hysdel_py.control.explicit_hybrid import explicit_hybrid
@@ -43,6 +43,8 @@ The exit status is 1 if the law is incomplete or differs from the controller.
 _WRITERS = (
     ("--c", "FILE.c", "write the law as C, with a header beside it"),
     ("--python", "FILE.py", "write the law as a Python module that needs nothing but Python"),
+    ("--latex", "FILE.tex", "write the law as LaTeX tables"),
+    ("--plot", "FILE.png", f"draw the law over two real parameters ({', '.join(PICTURES)}; needs matplotlib)"),
     ("--fmu", "FILE.fmu", "write the law as a functional mock-up unit (FMI 2.0, co-simulation)"),
 )
 
@@ -68,6 +70,10 @@ def add_parser(commands: argparse._SubParsersAction[argparse.ArgumentParser]) ->
     parser.add_argument("--out", metavar="FILE.npz", help="write the law")
     for option, name, text in _WRITERS:
         parser.add_argument(option, metavar=name, help=text)
+    parser.add_argument(
+        "--section", metavar="NAME=VALUE", action="append", default=[],
+        help="a parameter that --plot puts at this value instead of the middle of its box; may be repeated",
+    )  # fmt: skip
     parser.add_argument("--describe", action="store_true", help="print every region with its rows and moves")
     parser.add_argument("--workers", type=int, default=1, metavar="N", help="processes that search (default 1)")
     parser.add_argument("--time-limit", type=float, metavar="SECONDS", help="end the search after this (default none)")
@@ -86,14 +92,7 @@ def run(options: argparse.Namespace) -> int:
     model = load_model(options)
     mpc = _controller(model, options)
     law = _law(mpc, options)
-    if options.out:
-        law.save(options.out)
-    if options.c:
-        law.to_c(options.c)
-    if options.python:
-        law.to_python(options.python)
-    if options.fmu:
-        report_unit(to_fmu(law, options.fmu))
+    _write(law, options)
     certificate = law.certificate(mpc, options.samples, options.seed) if options.samples else None
     if options.json:
         print_json(_summary(law, certificate))
@@ -103,10 +102,29 @@ def run(options: argparse.Namespace) -> int:
     return 0 if law.complete and (certificate is None or certificate.holds()) else 1
 
 
+def _write(law: HybridLaw, options: argparse.Namespace) -> None:
+    """Write the law in every form that is asked for."""
+    if options.out:
+        law.save(options.out)
+    if options.c:
+        law.to_c(options.c)
+    if options.python:
+        law.to_python(options.python)
+    if options.latex:
+        law.to_latex(options.latex)
+    if options.plot:
+        law.plot(section=assignments(options.section, "--section")).savefig(options.plot)
+    if options.fmu:
+        report_unit(to_fmu(law, options.fmu))
+
+
 def _check(options: argparse.Namespace) -> None:
-    for option in ("out", "c", "python", "fmu"):
+    for option in ("out", "c", "python", "latex", "fmu"):
         if target := getattr(options, option):
             check_target(Path(target), f"--{option}")
+    check_picture(options.plot, "--plot")
+    if options.section and not options.plot:
+        raise ArgumentError("--section says what --plot shows: add --plot FILE.png, or leave --section out")
     if options.c:
         source_path(options.c)
     if options.fmu:

@@ -23,6 +23,8 @@ from hysdel_py.errors import ArgumentError
 from hysdel_py.systems.signals import Variable, as_vector
 
 if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
     from hysdel_py.control.hybrid_certificate import HybridCertificate
     from hysdel_py.control.hybrid_mpc import HybridMpc
     from hysdel_py.export.law_c import LawCode
@@ -247,6 +249,18 @@ class HybridLaw:
         from hysdel_py.export.hybrid_python import hybrid_to_python
 
         return hybrid_to_python(self, path)
+
+    def to_latex(self, path: str | PathLike[str] | None = None, **options: Any) -> str:
+        """The law as LaTeX tables; options as for :func:`hybrid_to_latex`."""
+        from hysdel_py.export.hybrid_latex import hybrid_to_latex
+
+        return hybrid_to_latex(self, path, **options)
+
+    def plot(self, what: str = "partition", **options: Any) -> Figure:
+        """Draw the law over one or two parameters; options as for :func:`plot_hybrid_law`."""
+        from hysdel_py.plotting.hybrid_law import plot_hybrid_law
+
+        return plot_hybrid_law(self, what, **options)
 
     def to_json(self, path: str | PathLike[str]) -> None:
         """Write the law as JSON."""

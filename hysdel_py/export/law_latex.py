@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from hysdel_py.control.explicit_law import ExplicitLaw
 from hysdel_py.errors import ArgumentError
 
-__all__ = ["law_to_latex"]
+__all__ = ["check_digits", "check_moves", "finished", "law_table", "law_to_latex", "plain", "symbol"]
 
 _ROUNDING = 1e-12
 """Share of the greatest number of a sum below which a number is rounding."""
@@ -50,12 +50,26 @@ def law_to_latex(
     ArgumentError
         Digits out of range, or another number of names.
     """
+    check_digits(digits)
+    check_moves(moves, law.moves)
+    names = tuple(moves) or tuple(f"u{i + 1}" for i in range(law.moves))
+    return finished([*law_table(law, names, digits)], path, document=document)
+
+
+def check_digits(digits: int) -> None:
+    """Refuse numbers of digits that a number cannot have."""
     if not 1 <= digits <= 17:
         raise ArgumentError(f"digits is {digits}: a number from 1 to 17 was expected")
-    if isinstance(moves, str) or (moves and len(moves) != law.moves):
-        raise ArgumentError(f"moves are {moves!r}: {law.moves} names were expected")
-    labels = [_symbol(name) for name in moves or [f"u{i + 1}" for i in range(law.moves)]]
-    lines = [*_table(law, labels, digits)]
+
+
+def check_moves(moves: Sequence[str], count: int) -> None:
+    """Refuse names that are not as many as the moves."""
+    if isinstance(moves, str) or (moves and len(moves) != count):
+        raise ArgumentError(f"moves are {moves!r}: {count} names were expected")
+
+
+def finished(lines: Sequence[str], path: str | PathLike[str] | None, *, document: bool) -> str:
+    """The whole text, also written to a file where one is named."""
     if document:
         head = [r"\documentclass{article}", r"\usepackage{amsmath,longtable}", r"\begin{document}"]
         lines = [*head, *lines, r"\end{document}"]
@@ -65,8 +79,9 @@ def law_to_latex(
     return text
 
 
-def _table(law: ExplicitLaw, labels: Sequence[str], digits: int) -> Iterator[str]:
-    names = [_symbol(name) for name in law.names]
+def law_table(law: ExplicitLaw, moves: Sequence[str], digits: int, *, with_value: bool = False) -> Iterator[str]:
+    """A long table with a line for each region; the value, where it is asked for, as the last row of the move."""
+    names, labels = [symbol(name) for name in law.names], [symbol(name) for name in moves]
     yield r"\begin{longtable}{rll}"
     yield r"\hline"
     yield r"region & where & move \\"
@@ -79,6 +94,8 @@ def _table(law: ExplicitLaw, labels: Sequence[str], digits: int) -> Iterator[str
         ]
         values = zip(labels, law.K[region], law.k[region], strict=False)
         laws = [f"{label} &= {_sum(row, float(side), names, digits)}" for label, row, side in values]
+        if with_value:
+            laws.append(f"V &= {_quadratic(law, region, names, digits)}")
         yield f"{region} & {_aligned(rows)} & {_aligned(laws)} \\\\"
         yield r"\hline"
     yield r"\end{longtable}"
@@ -88,14 +105,28 @@ def _aligned(rows: Sequence[str]) -> str:
     return r"$\begin{aligned} " + r" \\ ".join(rows) + r" \end{aligned}$"
 
 
-def _symbol(name: str) -> str:
+def _quadratic(law: ExplicitLaw, region: int, names: Sequence[str], digits: int) -> str:
+    """The value of a region, squares first."""
+    P = 0.5 * (law.P[region] + law.P[region].T)
+    pairs = [(i, j) for i in range(law.p) for j in range(i, law.p)]
+    products = [f"{names[i]}^2" if i == j else rf"{names[i]}\,{names[j]}" for i, j in pairs]
+    factors = np.array([*(0.5 * P[i, j] if i == j else P[i, j] for i, j in pairs), *law.q[region]])
+    return _sum(factors, float(law.r[region]), [*products, *names], digits)
+
+
+def plain(text: str) -> str:
+    """Text with the characters spelled that LaTeX would take for commands."""
+    return _SPECIAL.sub(lambda m: _SPELLED.get(m[0], chr(92) + m[0]), text)
+
+
+def symbol(name: str) -> str:
     """A name in mathematics: a letter with an index where it is one, upright text otherwise."""
     match = _INDEXED.fullmatch(name)
     if match:
         return f"{match[1]}_{{{match[2]}}}"
     if len(name) == 1 and name.isalpha():
         return name
-    return rf"\text{{{_SPECIAL.sub(lambda m: _SPELLED.get(m[0], chr(92) + m[0]), name)}}}"
+    return rf"\text{{{plain(name)}}}"
 
 
 def _sum(row: NDArray[np.float64], constant: float, names: Sequence[str], digits: int) -> str:

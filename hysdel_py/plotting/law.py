@@ -11,14 +11,14 @@ from numpy.typing import ArrayLike, NDArray
 
 from hysdel_py.control.explicit_law import ExplicitLaw
 from hysdel_py.errors import ArgumentError
-from hysdel_py.plotting.law_pieces import Piece, pieces_of
+from hysdel_py.plotting.law_pieces import Piece, colour_of, pieces_of
 from hysdel_py.plotting.style import MUTED
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-__all__ = ["plot_law"]
+__all__ = ["Shown", "draw", "name_kinds", "new_partition", "plot_law"]
 
 Array = NDArray[np.float64]
 
@@ -81,28 +81,36 @@ def plot_law(
     if not cut.count:
         raise ArgumentError("the section meets no region: other values were expected")
     title = ", ".join(f"{law.names[j]} = {v:.4g}" for j, v in _fixed(law, section or {}))
-    shown = _Shown([labels[j] for j in free], f"at {title}" if title else "", move_label or "move")
+    shown = Shown([labels[j] for j in free], f"at {title}" if title else "", move_label or "move")
     if trace is not None and (cut.p == 1 or what != "partition"):
         raise ArgumentError("a trace is drawn over a partition of two parameters: leave it out, or fix fewer of them")
     path = None if trace is None else _path(law, trace)[:, free]
+    return draw(cut, shown, what, by=by, move=move, path=path)
+
+
+def draw(cut: ExplicitLaw, shown: Shown, what: str, *, by: str, move: int, path: Array | None = None) -> Figure:
+    """Draw a law of one or two parameters; words as for :func:`plot_law`, `path` is over these parameters."""
     if cut.p == 1:
         from hysdel_py.plotting.law_lines import plot_lines
 
-        return plot_lines(cut, shown.axes[0], shown.move, shown.title, by)
+        return plot_lines(cut, shown.axes[0], shown.moves or (shown.move,), shown.title, by)
     if what == "partition":
         return _partition(cut, by, shown, path)
     from hysdel_py.plotting.law_surface import plot_surface
 
-    label = shown.move if law.moves == 1 else f"{shown.move} {move}"
+    label = shown.moves[move] if shown.moves else shown.move if cut.moves == 1 else f"{shown.move} {move}"
     all_labels = (shown.axes[0], shown.axes[1], label)
     return plot_surface(cut, None if what == "value" else move, by, all_labels, shown.title)
 
 
 @dataclass(frozen=True, slots=True)
-class _Shown:
+class Shown:
+    """Labels of a picture: of the axes, what is fixed, the moves together, and where known each of them."""
+
     axes: list[str]
     title: str
     move: str
+    moves: tuple[str, ...] = ()
 
 
 def _check(law: ExplicitLaw, what: str, by: str, move: int) -> None:
@@ -136,7 +144,24 @@ def _path(law: ExplicitLaw, trace: ArrayLike) -> Array:
     return points
 
 
-def _partition(law: ExplicitLaw, by: str, shown: _Shown, path: Array | None) -> Figure:
+def _partition(law: ExplicitLaw, by: str, shown: Shown, path: Array | None) -> Figure:
+    figure, axes = new_partition(law, shown)
+    low, high = law.domain.bounding_box
+    pieces = pieces_of(law, by)
+    for piece in pieces:
+        _fill(axes, piece, high - low, numbered=by == "region")
+    if path is not None:
+        _draw_path(axes, path)
+    areas: dict[int, float] = {}
+    for piece in pieces:
+        areas[piece.kind] = areas.get(piece.kind, 0.0) + piece.area
+    texts = {piece.kind: piece.text for piece in reversed(pieces)}
+    name_kinds(axes, areas if by == "law" else {}, texts, shown.move)
+    return figure
+
+
+def new_partition(law: ExplicitLaw, shown: Shown) -> tuple[Figure, Axes]:
+    """An empty picture of the domain of a law over two parameters."""
     from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.figure import Figure
 
@@ -145,14 +170,8 @@ def _partition(law: ExplicitLaw, by: str, shown: _Shown, path: Array | None) -> 
     axes = figure.add_subplot()
     low, high = law.domain.bounding_box
     axes.set(xlim=(low[0], high[0]), ylim=(low[1], high[1]), xlabel=shown.axes[0], ylabel=shown.axes[1])
-    pieces = pieces_of(law, by)
-    for piece in pieces:
-        _fill(axes, piece, high - low, numbered=by == "region")
-    if path is not None:
-        _draw_path(axes, path)
     axes.set_title(shown.title, fontsize=9, loc="left")
-    _name(axes, pieces, by, shown.move)
-    return figure
+    return figure, axes
 
 
 def _fill(axes: Axes, piece: Piece, spans: Array, *, numbered: bool) -> None:
@@ -170,25 +189,20 @@ def _draw_path(axes: Axes, path: Array) -> None:
     )
 
 
-def _name(axes: Axes, pieces: Sequence[Piece], by: str, move: str) -> None:
-    """A legend of the run and of the kinds that cover most."""
+def name_kinds(axes: Axes, areas: Mapping[int, float], texts: Mapping[int, str], move: str) -> None:
+    """A legend of the run and of the kinds that cover most; none of kinds without areas."""
     from matplotlib.patches import Patch
 
-    areas: dict[int, float] = {}
-    for piece in pieces:
-        areas[piece.kind] = areas.get(piece.kind, 0.0) + piece.area
     largest = sorted(areas, key=lambda kind: (-areas[kind], kind))
     named = [kind for kind in largest if areas[kind] > _SEEN * sum(areas.values())][:_MOST_NAMED]
-    first = {piece.kind: piece for piece in reversed(pieces)}
     handles, labels = axes.get_legend_handles_labels()
-    if by == "law":
-        for kind in named:
-            handles.append(Patch(facecolor=first[kind].colour))
-            labels.append(first[kind].text)
-        if len(largest) > len(named):
-            handles.append(Patch(facecolor="none"))
-            labels.append(f"and {len(largest) - len(named)} more on small regions")
+    for kind in named:
+        handles.append(Patch(facecolor=colour_of(kind)))
+        labels.append(texts[kind])
+    if len(largest) > len(named):
+        handles.append(Patch(facecolor="none"))
+        labels.append(f"and {len(largest) - len(named)} more on small regions")
     if handles:
-        legend = axes.legend(handles, labels, title=move if by == "law" else "", loc="center left",
+        legend = axes.legend(handles, labels, title=move if areas else "", loc="center left",
                              bbox_to_anchor=(1.01, 0.5), frameon=False, fontsize="small")  # fmt: skip
         legend.get_title().set_color(MUTED)

@@ -20,23 +20,26 @@ _POINTS = 50
 """Points of the value in each region."""
 
 
-def plot_lines(law: ExplicitLaw, label: str, move: str, title: str, by: str) -> Figure:
-    """Draw the moves over one parameter, each region in its colour, and the value where it is known."""
-    figure, axes = new_figure(1 + law.has_value)
+def plot_lines(law: ExplicitLaw, label: str, moves: tuple[str, ...], title: str, by: str) -> Figure:
+    """Draw the moves over one parameter, each region in its colour, and the value where it is known.
+
+    `moves` labels a panel for each move, or as a single text one panel for all of them.
+    """
+    figure, axes = new_figure(len(moves) + law.has_value)
     kinds = kinds_of(law, by)
     for region in np.argsort([_ends(law, region)[0] for region in range(law.count)], kind="stable").tolist():
         ends = np.array(_ends(law, region))
         for number in range(law.moves):
             values = law.K[region, number, 0] * ends + law.k[region, number]
-            style = LINES[number % len(LINES)]
-            name = f"{move} {number}" if law.moves > 1 and region == 0 else None
-            axes[0].plot(ends, values, color=colour_of(kinds[region]), linestyle=style, linewidth=2, label=name)
-        axes[0].axvline(float(ends[0]), color=MUTED, linewidth=0.5)
+            panel, style = (number, "-") if len(moves) > 1 else (0, LINES[number % len(LINES)])
+            name = f"{moves[0]} {number}" if law.moves > len(moves) and region == 0 else None
+            axes[panel].plot(ends, values, color=colour_of(kinds[region]), linestyle=style, linewidth=2, label=name)
+        for panel in range(len(moves)):
+            axes[panel].axvline(float(ends[0]), color=MUTED, linewidth=0.5)
         if law.has_value:
-            _draw_value(axes[1], law, region, ends)
-    finish(axes[0], move)
-    if law.has_value:
-        finish(axes[1], "value")
+            _draw_value(axes[-1], law, region, ends)
+    for drawn, text in zip(axes, (*moves, "value"), strict=False):
+        finish(drawn, text)
     axes[0].set_title(title, fontsize=9, loc="left")
     axes[-1].set_xlabel(label)
     return figure

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -12,7 +13,7 @@ from hysdel_py.control.explicit_tree import same_moves
 from hysdel_py.plotting.modes import clip
 from hysdel_py.plotting.style import COLOURS
 
-__all__ = ["Piece", "colour_of", "kinds_of", "law_text", "pieces_of"]
+__all__ = ["Piece", "area_of", "colour_of", "kinds_of", "law_text", "pieces_of", "ranked"]
 
 Array = NDArray[np.float64]
 
@@ -45,8 +46,7 @@ class Piece:
     @property
     def area(self) -> float:
         """Area of the polygon."""
-        x, y = self.corners.T
-        return 0.5 * abs(float(np.sum(np.roll(x, 1) * y - x * np.roll(y, 1))))
+        return area_of(self.corners)
 
 
 def kinds_of(law: ExplicitLaw, by: str) -> list[int]:
@@ -67,13 +67,32 @@ def colour_of(kind: int) -> str:
 
 
 def pieces_of(law: ExplicitLaw, by: str) -> list[Piece]:
-    """Polygons of all regions that have inner points."""
-    found = []
-    for region, kind in enumerate(kinds_of(law, by)):
-        corners = _polygon(law, region)
-        if len(corners) > 2:
-            found.append(Piece(region, kind, corners, colour_of(kind), law_text(law, region)))
-    return found
+    """Polygons of all regions that have inner points; of moves, the most frequent have the first colours."""
+    polygons = {region: _polygon(law, region) for region in range(law.count)}
+    shown = {region: corners for region, corners in polygons.items() if len(corners) > 2}
+    kinds = kinds_of(law, by)
+    if by == "law":
+        rank = ranked([kinds[region] for region in shown], [area_of(corners) for corners in shown.values()])
+        kinds = [rank.get(kind, kind) for kind in kinds]
+    return [
+        Piece(region, kinds[region], corners, colour_of(kinds[region]), law_text(law, region))
+        for region, corners in shown.items()
+    ]
+
+
+def ranked(kinds: Sequence[int], areas: Sequence[float]) -> dict[int, int]:
+    """New numbers of the kinds, those first that cover most: the named ones so have colours of their own."""
+    total: dict[int, float] = {}
+    for kind, area in zip(kinds, areas, strict=True):
+        total[kind] = total.get(kind, 0.0) + area
+    order = sorted(total, key=lambda kind: (-total[kind], kind))
+    return {kind: number for number, kind in enumerate(order)}
+
+
+def area_of(corners: Array) -> float:
+    """Area of a polygon."""
+    x, y = corners.T
+    return 0.5 * abs(float(np.sum(np.roll(x, 1) * y - x * np.roll(y, 1))))
 
 
 def _polygon(law: ExplicitLaw, region: int) -> Array:

@@ -64,3 +64,25 @@ def test_wrong_usage(hysdel, arguments, message):
     shown = hysdel(*arguments)
     assert shown.status == 2
     assert message in shown.err
+
+
+def test_pictures_and_tables_are_written(hysdel, tmp_path):
+    shown = hysdel(*TO_THREE, "--plot", str(tmp_path / "law.png"), "--latex", str(tmp_path / "law.tex"))
+    assert (shown.status, shown.err) == (0, "")
+    assert (tmp_path / "law.png").read_bytes().startswith(b"\x89PNG")
+    assert r"\paragraph{Sequence 0}" in (tmp_path / "law.tex").read_text()
+
+
+@pytest.mark.parametrize(
+    ("options", "words"),
+    [
+        (("--section", "h=1"), "add --plot FILE.png"),
+        (("--plot", "law.doc"), ".png"),
+        (("--plot", "law.png", "--section", "q=1"), "no free parameter"),
+        (("--latex", "nowhere/law.tex"), "nowhere"),
+    ],
+)
+def test_what_cannot_be_drawn_is_said(hysdel, options, words):
+    shown = hysdel(*TO_THREE, *options)
+    assert shown.status != 0
+    assert words in shown.err
