@@ -14,6 +14,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
+from hysdel_py.analysis.clock import Clock
 from hysdel_py.analysis.encoding import (
     UPDATES_AND_OUTPUTS,
     Step,
@@ -28,7 +29,6 @@ from hysdel_py.analysis.encoding import (
 from hysdel_py.analysis.margins import Margins, largest
 from hysdel_py.analysis.milp import Milp
 from hysdel_py.analysis.mld_forms import equations, idle_auxiliaries, row_forms
-from hysdel_py.analysis.search import Clock
 from hysdel_py.analysis.stepping import TOUCHING, Witness, clipped, differing, take_step
 from hysdel_py.errors import SimulationError
 from hysdel_py.systems.affine import Affine

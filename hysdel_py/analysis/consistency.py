@@ -5,7 +5,6 @@ The elements are the members of the horizon, 0 to m-1, and behind them the ends 
 
 from __future__ import annotations
 
-import time
 from collections.abc import Sequence
 from dataclasses import dataclass
 from math import inf
@@ -13,46 +12,19 @@ from math import inf
 import numpy as np
 from numpy.typing import NDArray
 
+from hysdel_py.analysis.clock import Clock
 from hysdel_py.analysis.farkas import least_violation_duals
 from hysdel_py.analysis.horizon import Horizon
 from hysdel_py.analysis.milp import Answer, Milp, Status
 from hysdel_py.analysis.settings import DEFAULT_SEARCH_TOLERANCES, SearchTolerances
 
-__all__ = ["Clock", "Consistency"]
+__all__ = ["Consistency"]
 
 Vector = NDArray[np.float64]
 Set = frozenset[int]
 
 _NODES = 50
 """Nodes of the search for a point around a consistent set; a poor one only costs more searches afterwards."""
-
-
-class Clock:
-    """The time that a search may take."""
-
-    def __init__(self, seconds: float) -> None:
-        self._begin = time.perf_counter()
-        self._limit = seconds
-        self._held_back = 0.0
-
-    def hold_back(self, part: float) -> None:
-        """Keep a part of the whole time for later."""
-        self._held_back = part
-
-    @property
-    def elapsed(self) -> float:
-        """Seconds since the start."""
-        return time.perf_counter() - self._begin
-
-    @property
-    def left(self) -> float:
-        """Seconds that are left, 0 at the end."""
-        return max(0.0, self._limit * (1.0 - self._held_back) - self.elapsed)
-
-    @property
-    def is_over(self) -> bool:
-        """Whether the time is used up."""
-        return self.left <= 0.0
 
 
 @dataclass(frozen=True, slots=True)
@@ -115,7 +87,7 @@ class Consistency:
     def search(self, elements: Set) -> Answer:
         """A point at which the elements hold."""
         self.calls += 1
-        return self.problem(elements).search(seconds=self.clock.left)
+        return self.problem(elements).search(seconds=self.clock.allowance())
 
     def problem(self, elements: Set) -> Milp:
         """The rows and ends of some elements."""
@@ -167,7 +139,7 @@ class Consistency:
                 problem.row({**dict(row.terms), below: size, above: -size}, row.low, row.high)
                 costs |= {below: 1.0, above: 1.0}
         self.calls += 1
-        answer = problem.search(costs, seconds=self.clock.left, nodes=_NODES)
+        answer = problem.search(costs, seconds=self.clock.allowance(), nodes=_NODES)
         if answer.status is Status.FOUND:
             self._known.consistent.append(consistent | self._check.satisfied(answer.w[: self.horizon.problem.n]))
 

@@ -7,8 +7,9 @@ from dataclasses import dataclass, replace
 from enum import Enum
 from math import inf
 
+from hysdel_py.analysis.clock import Clock, Watch
 from hysdel_py.analysis.confirmation import confirmed, moved_inside
-from hysdel_py.analysis.consistency import Clock, Consistency
+from hysdel_py.analysis.consistency import Consistency
 from hysdel_py.analysis.horizon import Demand, End, Horizon, Member
 from hysdel_py.analysis.milp import Answer, Status
 from hysdel_py.analysis.repairs import Repair, find_repairs, least_common_violation
@@ -87,6 +88,7 @@ def find_contradiction(
     seconds: float = inf,
     tolerances: SearchTolerances = DEFAULT_SEARCH_TOLERANCES,
     kept_apart: Callable[[float], Horizon] | None = None,
+    progress: Watch | None = None,
 ) -> Finding:
     """Find the smallest contradiction of a horizon, or a run.
 
@@ -104,8 +106,10 @@ def find_contradiction(
         The same horizon with events kept away from their thresholds, as the argument `apart` of
         :func:`~hysdel_py.analysis.horizon.build_horizon` does it. It is asked for where the simulator does not confirm
         the point of the solver, which then may stand on the wrong side of a threshold.
+    progress : callable, optional
+        Told the number of searches begun; a true answer ends the work as if its time were over.
     """
-    consistency = Consistency(horizon, Clock(seconds), tolerances)
+    consistency = Consistency(horizon, Clock(seconds, progress), tolerances)
     finding = _settled(dha, consistency, demands)
     if kept_apart is None or consistency.clock.is_over or not finding.message.startswith(_NOT_CONFIRMED):
         return finding

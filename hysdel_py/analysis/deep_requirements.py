@@ -28,7 +28,7 @@ def contradiction(deep: Deep) -> Iterator[Finding]:
     if deep.samples or not comparison.dha.requirements:
         return
     problem, _ = comparison.whole(clear=False)
-    status = problem.search(seconds=comparison.clock.left).status
+    status = problem.search(seconds=comparison.clock.allowance()).status
     if status is Status.UNKNOWN:
         deep.unsettled.append("whether MUST allows anything (unsettled)")
     if status is not Status.NONE:
@@ -62,7 +62,7 @@ def _contradict(comparison: Comparison, items: list[DhaItem]) -> bool:
     given = shared_variables(problem, (*comparison.dha.x, *comparison.dha.u))
     chosen = set(map(id, items))
     encode_step(problem, comparison.dha, given, band=comparison.band, leave_out=lambda item: id(item) not in chosen)
-    return problem.search(seconds=comparison.clock.left).status is Status.NONE
+    return problem.search(seconds=comparison.clock.allowance()).status is Status.NONE
 
 
 # ---- nothing is restricted ----------------------------------------------------------------------------------------

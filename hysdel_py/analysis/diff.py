@@ -7,11 +7,11 @@ from dataclasses import replace
 from math import inf
 from typing import TYPE_CHECKING
 
+from hysdel_py.analysis.clock import Clock, Watch
 from hysdel_py.analysis.diff_report import DiffCheck, Difference, NameChange, Responsible
 from hysdel_py.analysis.margins import Margins
 from hysdel_py.analysis.pair import Pair, Side
 from hysdel_py.analysis.report import CheckStatus
-from hysdel_py.analysis.search import Clock
 from hysdel_py.analysis.stepping import Witness
 from hysdel_py.errors import ArgumentError
 from hysdel_py.systems.dha import AffineRequirement, Dha, DhaItem, LogicRequirement, read_by
@@ -32,7 +32,14 @@ if TYPE_CHECKING:
 __all__ = ["diff"]
 
 
-def diff(old: HasDha, new: HasDha, *, margins: Margins | None = None, seconds: float = inf) -> Difference:
+def diff(
+    old: HasDha,
+    new: HasDha,
+    *,
+    margins: Margins | None = None,
+    seconds: float = inf,
+    progress: Watch | None = None,
+) -> Difference:
     """Compare two models: a state and input at which they differ, or a proof that there is none.
 
     Variables belong together by name. A state or input that only one model has may take any value there.
@@ -44,6 +51,8 @@ def diff(old: HasDha, new: HasDha, *, margins: Margins | None = None, seconds: f
         Band around thresholds and tolerance of the statement.
     seconds : float
         Time limit; what is not settled then is said to be.
+    progress : callable, optional
+        Told the number of searches begun; a true answer ends the work as if its time were over.
 
     Returns
     -------
@@ -58,7 +67,7 @@ def diff(old: HasDha, new: HasDha, *, margins: Margins | None = None, seconds: f
         raise ArgumentError(f"seconds is {seconds:g}: a time above 0 was expected")
     chosen = Margins() if margins is None else margins
     changes = tuple(_name_changes(old.dha, new.dha))
-    pair = Pair(_over_common(old.dha, new.dha), _over_common(new.dha, old.dha), chosen, Clock(seconds))
+    pair = Pair(_over_common(old.dha, new.dha), _over_common(new.dha, old.dha), chosen, Clock(seconds, progress))
     checks = tuple(_checks(pair))
     return Difference(
         old.dha.source or old.dha.name, new.dha.source or new.dha.name, changes, checks, chosen.band, chosen.tolerance

@@ -9,13 +9,14 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
+from hysdel_py.analysis.clock import Clock
 from hysdel_py.analysis.comparison import add_form, is_requirement
 from hysdel_py.analysis.encoding import Step, encode_step, nothing, ranges_by_definition, shared_variables
 from hysdel_py.analysis.margins import Margins, largest
 from hysdel_py.analysis.milp import Milp, Source
 from hysdel_py.analysis.questions import on_thresholds_last
 from hysdel_py.analysis.report import CheckStatus
-from hysdel_py.analysis.search import Clock, Found, settle
+from hysdel_py.analysis.search import Found, settle
 from hysdel_py.analysis.stepping import Witness, clipped, differing, take_step
 from hysdel_py.analysis.tseitin import formula_variable
 from hysdel_py.errors import SimulationError

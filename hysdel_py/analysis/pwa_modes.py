@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-from hysdel_py.analysis.search import Clock
+from hysdel_py.analysis.clock import Clock
 from hysdel_py.analysis.verify_pwa import MOST_MODES
 from hysdel_py.systems.dha import Dha
 from hysdel_py.systems.pwa import Pwa
@@ -21,7 +21,7 @@ def modes_within(dha: Dha, clock: Clock) -> Pwa:
     from hysdel_py.lowering.modes import dha_to_pwa
 
     def watch(modes: int, waiting: int, programs: int) -> None:  # noqa: ARG001
-        if not clock.left:
+        if not clock.allowance():
             raise _OutOfTimeError
 
     try:

@@ -75,7 +75,7 @@ class PwaSearch:
         for problem, step in reversed(self.steps):
             work = problem.copy()
             fix_word(work, step, cell.word)
-            answer = work.search(seconds=self.comparison.clock.left)
+            answer = work.search(seconds=self.comparison.clock.allowance())
             fine = work.refine(answer.w) if answer.status is Status.FOUND else answer
             if fine.status is not Status.NONE:
                 modes = self.pair.modes_at(fine.w, step) if fine.status is Status.FOUND else []

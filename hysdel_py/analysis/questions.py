@@ -8,11 +8,12 @@ from typing import Protocol
 import numpy as np
 from numpy.typing import NDArray
 
+from hysdel_py.analysis.clock import Clock
 from hysdel_py.analysis.comparison import Comparison, add_form
 from hysdel_py.analysis.encoding import Step
 from hysdel_py.analysis.milp import Milp, Source
 from hysdel_py.analysis.report import Check, CheckStatus, Question
-from hysdel_py.analysis.search import Clock, Found, Result, settle
+from hysdel_py.analysis.search import Found, Result, settle
 from hysdel_py.analysis.stepping import Witness
 from hysdel_py.analysis.tseitin import formula_variable
 from hysdel_py.systems.affine import Affine

@@ -60,7 +60,7 @@ def least_common_violation(consistency: Consistency) -> float:
     soft += [end for end in horizon.ends if not end.derived]
     problem, t = _softened(consistency, soft)
     consistency.calls += 1
-    answer = problem.search({t: 1.0}, seconds=consistency.clock.left)
+    answer = problem.search({t: 1.0}, seconds=consistency.clock.allowance())
     return max(0.0, answer.value) if answer.status is Status.FOUND else inf
 
 
@@ -102,7 +102,7 @@ def _without(consistency: Consistency, part: Part) -> Repair | None:
 def _amount(consistency: Consistency, part: Part) -> Repair | None:
     problem, t = _softened(consistency, _whole(consistency.horizon, part))
     consistency.calls += 1
-    answer = problem.search({t: 1.0}, seconds=consistency.clock.left)
+    answer = problem.search({t: 1.0}, seconds=consistency.clock.allowance())
     if answer.status is not Status.FOUND:
         return None
     if isinstance(part, Member) and part.kind is MemberKind.START:

@@ -7,7 +7,7 @@ from dataclasses import dataclass, field, replace
 from enum import Enum
 from typing import Any
 
-from hysdel_py.analysis.consistency import Clock
+from hysdel_py.analysis.clock import Clock
 from hysdel_py.analysis.hybrid_set import Span
 from hysdel_py.analysis.milp import Answer, Status
 from hysdel_py.analysis.monitor import Monitor, Watch
@@ -146,7 +146,7 @@ class Searcher:
         for wish in wishes:
             problem.fix(wish.watch.result, float(wish.holds))
         self.calls += 1
-        answer = problem.search(seconds=self.clock.left)
+        answer = problem.search(seconds=self.clock.allowance())
         if answer.status is not Status.FOUND:
             return _without_point(answer), False
         course = (steps, self.question.ts)
@@ -198,10 +198,10 @@ def earliest_meeting(searcher: Searcher, progress: Progress | None = None) -> Fo
             return found
         if found.verdict is not Verdict.NONE or found.borderline:
             answer = _worse(answer, replace(found, message=f"step {time}: {found.message}"))
-        if progress is not None:
-            progress(time, searcher.calls)
+        if progress is not None and progress(time, searcher.calls):
+            searcher.clock.stop()
         if searcher.clock.is_over:
-            return _worse(answer, Found(Verdict.NOT_SETTLED, message=f"the time was over after step {time}"))
+            return _worse(answer, Found(Verdict.NOT_SETTLED, message=f"{searcher.clock.end} after step {time}"))
     return answer
 
 
@@ -223,8 +223,8 @@ def longest_avoidance(searcher: Searcher, progress: Progress | None = None) -> t
     for length in dict.fromkeys((*_doubling(question.steps), question.steps)):
         times = tuple(time for time in question.times if time <= length - question.target.needs_step)
         found = searcher.run(length, times, meets=False)
-        if progress is not None:
-            progress(length, searcher.calls)
+        if progress is not None and progress(length, searcher.calls):
+            searcher.clock.stop()
         if found.verdict is Verdict.NONE or searcher.clock.is_over:
             return found, length
     return found, question.steps

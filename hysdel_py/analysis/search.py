@@ -11,15 +11,14 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from enum import Enum
-from math import inf
-from time import monotonic
 
 import numpy as np
 from numpy.typing import NDArray
 
+from hysdel_py.analysis.clock import Clock
 from hysdel_py.analysis.milp import Milp, Status
 
-__all__ = ["Clock", "Found", "Result", "settle"]
+__all__ = ["Found", "Result", "settle"]
 
 Vector = NDArray[np.float64]
 
@@ -42,18 +41,6 @@ class Result:
 
     found: Found
     w: Vector
-
-
-class Clock:
-    """Time that is left of a limit."""
-
-    def __init__(self, seconds: float = inf) -> None:
-        self._end = monotonic() + seconds
-
-    @property
-    def left(self) -> float:
-        """Seconds until the limit, not below zero."""
-        return max(0.0, self._end - monotonic())
 
 
 def settle(
@@ -79,13 +66,13 @@ def settle(
     work, cost = problem.copy(), {i: -c for i, c in objective.items()}
     doubted = np.zeros(0)
     for _ in range(MAX_WORDS):
-        answer = work.search(cost, seconds=clock.left)
+        answer = work.search(cost, seconds=clock.allowance())
         below = -answer.value <= threshold
         if answer.status is Status.NONE or -answer.bound <= threshold or (below and answer.is_optimal):
             return Result(Found.DOUBTFUL if len(doubted) else Found.NONE, doubted)
         if answer.status is Status.UNKNOWN or below:
             return Result(Found.UNSETTLED, doubted)
-        fine = work.refine(answer.w, cost, seconds=clock.left)
+        fine = work.refine(answer.w, cost, seconds=clock.allowance())
         if fine.status is Status.UNKNOWN:
             doubted = answer.w
         elif fine.status is Status.FOUND and -fine.value > threshold:

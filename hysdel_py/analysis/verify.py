@@ -7,6 +7,7 @@ from dataclasses import dataclass, replace
 from math import inf
 from typing import TYPE_CHECKING
 
+from hysdel_py.analysis.clock import Clock, Watch
 from hysdel_py.analysis.comparison import Comparison
 from hysdel_py.analysis.equation_questions import equation_checks
 from hysdel_py.analysis.margins import Margins
@@ -15,7 +16,6 @@ from hysdel_py.analysis.pwa_modes import modes_within
 from hysdel_py.analysis.pwa_pair import PwaPair
 from hysdel_py.analysis.questions import allowed_checks, forbidden_checks, value_checks
 from hysdel_py.analysis.report import Check, CheckStatus, PointTally, Verification
-from hysdel_py.analysis.search import Clock
 from hysdel_py.analysis.verify_pwa import pwa_checks
 from hysdel_py.errors import ArgumentError
 from hysdel_py.systems.dha import Dha
@@ -51,6 +51,7 @@ def verify(
     seed: int = 0,
     margins: Margins | None = None,
     seconds: float = inf,
+    progress: Watch | None = None,
 ) -> Verification:
     """Show that the forms of a model have the same steps, or find a point where they differ.
 
@@ -71,6 +72,8 @@ def verify(
         Band around thresholds and tolerance of the statement.
     seconds : float
         Time limit; what is not settled then is said to be.
+    progress : callable, optional
+        Told the number of searches begun; a true answer ends the work as if its time were over.
 
     Returns
     -------
@@ -86,7 +89,7 @@ def verify(
     """
     chosen = _chosen(forms, mld, pwa)
     _require_limits(points, seconds)
-    clock = Clock(seconds)
+    clock = Clock(seconds, progress)
     if "pwa" in chosen and pwa is None:
         pwa = modes_within(model.dha, clock)
     compared = _Compared(chosen, Margins() if margins is None else margins, clock)

@@ -7,13 +7,13 @@ from dataclasses import dataclass
 from math import inf
 from typing import TYPE_CHECKING, Any
 
+from hysdel_py.analysis.clock import Clock, Watch
 from hysdel_py.analysis.comparison import Comparison
 from hysdel_py.analysis.deep import Deep, Finding
 from hysdel_py.analysis.deep_behaviour import constant_events, dead_branches, left_ranges
 from hysdel_py.analysis.deep_requirements import contradiction, implied_requirements
 from hysdel_py.analysis.deep_steps import gaps, several_solutions
 from hysdel_py.analysis.margins import Margins
-from hysdel_py.analysis.search import Clock
 from hysdel_py.diagnostics.codes import Code
 from hysdel_py.diagnostics.diagnostic import Diagnostic
 from hysdel_py.errors import ArgumentError
@@ -104,7 +104,9 @@ class WellPosedness:
         return not self.findings and not self.unsettled
 
 
-def well_posed(model: Loaded, *, margins: Margins | None = None, seconds: float = inf) -> WellPosedness:
+def well_posed(
+    model: Loaded, *, margins: Margins | None = None, seconds: float = inf, progress: Watch | None = None
+) -> WellPosedness:
     """Search all states and inputs within the ranges for what is probably not meant.
 
     Gaps, where the Dha has a step and the Mld none (the declared range of an auxiliary or a stated [min, max] is too
@@ -119,6 +121,8 @@ def well_posed(model: Loaded, *, margins: Margins | None = None, seconds: float 
         Band around thresholds and tolerance of the statements.
     seconds : float
         Time limit; what is not settled then is said to be.
+    progress : callable, optional
+        Told the number of searches begun; a true answer ends the work as if its time were over.
 
     Raises
     ------
@@ -129,7 +133,7 @@ def well_posed(model: Loaded, *, margins: Margins | None = None, seconds: float 
         raise ArgumentError(f"seconds is {seconds:g}: a time above 0 was expected")
     chosen = Margins() if margins is None else margins
     declared = {symbol.name: symbol.span for symbol in model.typed.symbols if symbol.line}
-    deep = Deep(Comparison(model.dha, model.mld, chosen, Clock(seconds)), declared)
+    deep = Deep(Comparison(model.dha, model.mld, chosen, Clock(seconds, progress)), declared)
     findings = tuple(_findings(deep))
     return WellPosedness(model.dha.name, findings, tuple(deep.unsettled), chosen.band, chosen.tolerance)
 

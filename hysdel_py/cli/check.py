@@ -14,6 +14,7 @@ from hysdel_py.cli.arguments import add_parameters, load_model
 from hysdel_py.cli.colour import painted
 from hysdel_py.cli.output import print_json
 from hysdel_py.cli.verify import seconds_of
+from hysdel_py.cli.watch import watched
 from hysdel_py.diagnostics.codes import Code
 from hysdel_py.diagnostics.diagnostic import Diagnostic, Severity
 from hysdel_py.diagnostics.explain import explain
@@ -109,13 +110,18 @@ def _check(file: str, options: argparse.Namespace) -> _Report:
         model = load_model(argparse.Namespace(file=file, param=options.param, search_path=options.search_path))
         if not missing_parameters(model.typed, model.parameters):
             _ = model.mld  # lowering finds the mistakes that need numbers
-            deep = well_posed(model, seconds=seconds_of(options)) if options.deep else None
+            deep = _deep(model, options) if options.deep else None
     except CompileError as error:
         earlier = () if model is None else model.diagnostics
         return _Report(error.source, None, tuple(dict.fromkeys((*earlier, *error.diagnostics))))
     if deep is None:
         return _Report(model.typed.source, model, model.diagnostics, None)
     return _Report(model.typed.source, model, deep.beside(model.diagnostics), deep)
+
+
+def _deep(model: Model, options: argparse.Namespace) -> WellPosedness:
+    with watched(options.format == "text", f"{model.name}: search {{}}") as progress:
+        return well_posed(model, seconds=seconds_of(options), progress=progress)
 
 
 def _chosen(report: _Report, raised: set[Code], ignored: set[Code]) -> _Report:

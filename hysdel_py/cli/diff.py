@@ -9,6 +9,7 @@ from hysdel_py.analysis.report import VerifyStatus
 from hysdel_py.cli.arguments import add_output, add_parameters, load_model
 from hysdel_py.cli.output import print_json
 from hysdel_py.cli.verify import NOT_SETTLED, add_margins, margins_of, seconds_of
+from hysdel_py.cli.watch import watched
 from hysdel_py.model import Model
 
 __all__ = ["add_parser"]
@@ -43,12 +44,9 @@ def add_parser(commands: argparse._SubParsersAction[argparse.ArgumentParser]) ->
 
 def run(options: argparse.Namespace) -> int:
     """Run the command."""
-    report = diff(
-        _loaded(options.old, options),
-        _loaded(options.new, options),
-        margins=margins_of(options),
-        seconds=seconds_of(options),
-    )
+    models = _loaded(options.old, options), _loaded(options.new, options)
+    with watched(not options.json) as progress:
+        report = diff(*models, margins=margins_of(options), seconds=seconds_of(options), progress=progress)
     if options.json:
         print_json(report.as_data())
     else:

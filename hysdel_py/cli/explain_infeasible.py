@@ -9,6 +9,7 @@ from hysdel_py.cli.arguments import add_model, add_output, add_start, assignment
 from hysdel_py.cli.controller import limits_of
 from hysdel_py.cli.native import native_output_on_stderr
 from hysdel_py.cli.output import print_json
+from hysdel_py.cli.watch import watched
 from hysdel_py.control.limits import Limits
 from hysdel_py.model import Model
 from hysdel_py.reports.explain_infeasible import explain_infeasible
@@ -61,9 +62,9 @@ def run(options: argparse.Namespace) -> int:
     model = load_model(options)
     start = given_vector(options.x0, model.dha.x, "--x0", "state")
     limits, inputs = _limits(model, options), assignments(options.input, "--input")
-    with native_output_on_stderr():
+    with watched(not options.json) as progress, native_output_on_stderr():
         explanation = explain_infeasible(
-            model, start, options.horizon, limits=limits, inputs=inputs, seconds=options.seconds
+            model, start, options.horizon, limits=limits, inputs=inputs, seconds=options.seconds, progress=progress
         )
     if options.json:
         print_json(explanation.to_dict())

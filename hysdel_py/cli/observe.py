@@ -9,6 +9,7 @@ from hysdel_py.cli.intervals import add_runs, intervals
 from hysdel_py.cli.native import native_output_on_stderr
 from hysdel_py.cli.output import print_json
 from hysdel_py.cli.verify import NOT_SETTLED
+from hysdel_py.cli.watch import watched
 from hysdel_py.reports.observability import observability
 from hysdel_py.reports.observability_answer import ObservabilityVerdict
 
@@ -70,7 +71,7 @@ def run(options: argparse.Namespace) -> int:
         if options.of in ("states", "modes")
         else tuple(n.strip() for n in options.of.split(",") if n.strip())
     )
-    with native_output_on_stderr():
+    with watched(not options.json) as progress, native_output_on_stderr():
         answer = observability(
             model,
             options.steps,
@@ -80,6 +81,7 @@ def run(options: argparse.Namespace) -> int:
             x0=intervals(options.x0, "--x0"),
             inputs=intervals(options.input, "--input"),
             seconds=options.seconds,
+            progress=progress,
         )
     if options.json:
         print_json(answer.to_dict())

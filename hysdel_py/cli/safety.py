@@ -10,8 +10,8 @@ from hysdel_py.cli.arguments import add_model, add_output, load_model
 from hysdel_py.cli.intervals import add_runs, intervals
 from hysdel_py.cli.native import native_output_on_stderr
 from hysdel_py.cli.output import add_files, check_files, print_json
-from hysdel_py.cli.progress import clear_progress, progress_line
 from hysdel_py.cli.verify import NOT_SETTLED
+from hysdel_py.cli.watch import watched_steps
 from hysdel_py.errors import ArgumentError
 from hysdel_py.model import Model
 from hysdel_py.reports.queries import answer_queries
@@ -78,8 +78,7 @@ def run(options: argparse.Namespace) -> int:
     if options.steps is None:
         raise ArgumentError("--steps is missing: a statement is judged within so many steps")
     query, target = _query(options)
-    progress = progress_line(not options.json)
-    with native_output_on_stderr():
+    with watched_steps(not options.json, options.steps) as progress, native_output_on_stderr():
         answer = query(
             model,
             intervals(options.x0, "--x0"),
@@ -87,9 +86,8 @@ def run(options: argparse.Namespace) -> int:
             options.steps,
             inputs=intervals(options.input, "--input"),
             seconds=options.seconds,
-            progress=None if progress is None else lambda k, _: progress(k, options.steps),
+            progress=progress,
         )
-    clear_progress(progress)
     _write_run(answer, options)
     if options.json:
         print_json(answer.to_dict())
@@ -108,12 +106,10 @@ def _answer_queries(model: Model, options: argparse.Namespace) -> int:
             f"{model.name} has no QUERIES: give --never, --always or --eventually, or write queries into the model "
             "(docs/language.md)"
         )
-    progress = progress_line(not options.json)
-    with native_output_on_stderr():
+    with watched_steps(not options.json, len(model.typed.queries)) as progress, native_output_on_stderr():
         answers = answer_queries(
             model, inputs=intervals(options.input, "--input"), seconds=options.seconds, progress=progress
         )
-    clear_progress(progress)
     if options.json:
         print_json([answer.to_dict() for answer in answers])
     else:

@@ -13,6 +13,7 @@ from hysdel_py.analysis.report import VerifyStatus
 from hysdel_py.analysis.verify import verify
 from hysdel_py.cli.arguments import DataError, add_model, add_output, load_model
 from hysdel_py.cli.output import print_json
+from hysdel_py.cli.watch import watched
 from hysdel_py.errors import ArgumentError
 from hysdel_py.export.pwa_data import read_pwa_json
 from hysdel_py.export.reading import read_mat, read_mld_json, read_npz
@@ -93,16 +94,18 @@ def seconds_of(options: argparse.Namespace) -> float:
 def run(options: argparse.Namespace) -> int:
     """Run the command."""
     model = load_model(options)
-    report = verify(
-        model,
-        mld=_mld(options.mld) if options.mld else None,
-        pwa=_pwa(options.pwa) if options.pwa else None,
-        forms=None if options.forms is None else tuple(form.strip() for form in options.forms.split(",")),
-        points=options.points,
-        seed=options.seed,
-        margins=margins_of(options),
-        seconds=seconds_of(options),
-    )
+    with watched(not options.json) as progress:
+        report = verify(
+            model,
+            mld=_mld(options.mld) if options.mld else None,
+            pwa=_pwa(options.pwa) if options.pwa else None,
+            forms=None if options.forms is None else tuple(form.strip() for form in options.forms.split(",")),
+            points=options.points,
+            seed=options.seed,
+            margins=margins_of(options),
+            seconds=seconds_of(options),
+            progress=progress,
+        )
     if options.json:
         print_json(report.as_data())
     else:

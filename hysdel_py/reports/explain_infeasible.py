@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
+from hysdel_py.analysis.clock import Watch
 from hysdel_py.analysis.contradiction import Finding, find_contradiction
 from hysdel_py.analysis.horizon import Demand, Horizon, build_horizon
 from hysdel_py.control.bands import Band, ResolvedLimits
@@ -54,6 +55,7 @@ def explain_infeasible(
     limits: Limits | None = None,
     inputs: Inputs | None = None,
     seconds: float = 60.0,
+    progress: Watch | None = None,
 ) -> Explanation:
     """Find what contradicts each other over some steps, or a sequence of inputs that works.
 
@@ -71,6 +73,8 @@ def explain_infeasible(
         Inputs that are given; a number holds at all steps. By default all inputs are free within their ranges.
     seconds : float
         Time limit. What is known by then is returned with the verdict that it deserves.
+    progress : callable, optional
+        Told the number of searches begun; a true answer ends the work as if its time were over.
 
     Returns
     -------
@@ -101,7 +105,9 @@ def explain_infeasible(
     if not seconds > 0:
         raise ArgumentError(f"seconds is {seconds!r}: a positive number was expected")
     build = partial(_horizon, question)
-    finding: Finding = find_contradiction(dha, build(0.0), question.demands, seconds=seconds, kept_apart=build)
+    finding: Finding = find_contradiction(
+        dha, build(0.0), question.demands, seconds=seconds, kept_apart=build, progress=progress
+    )
     return Explanation(question.model, question.horizon, question.demands, finding)
 
 

@@ -6,7 +6,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from numbers import Real
 
-from hysdel_py.analysis.consistency import Clock
+from hysdel_py.analysis.clock import Clock, Watch
 from hysdel_py.analysis.counts import counted
 from hysdel_py.analysis.encoding import ranges_by_definition
 from hysdel_py.analysis.hybrid_set import Span
@@ -35,6 +35,7 @@ def observability(
     x0: Mapping[str, Span] | None = None,
     inputs: Mapping[str, Span] | None = None,
     seconds: float = 300.0,
+    progress: Watch | None = None,
 ) -> Observability:
     """Do the outputs of some steps tell the first state, or the mode of the first step, whatever the inputs are?
 
@@ -57,6 +58,8 @@ def observability(
         Inputs that are not named may have any value of their range, another one at each step.
     seconds : float
         Time limit.
+    progress : callable, optional
+        Told the number of searches begun; a true answer ends the work as if its time were over.
 
     Returns
     -------
@@ -97,7 +100,7 @@ def observability(
         pair, _doubled(x0 or {}), differ(variables, vector, distances), inputs or {}, equal(dha.y, "y", finest), count,
         model.sample_time,
     )  # fmt: skip
-    searcher = Searcher(question, Clock(seconds))
+    searcher = Searcher(question, Clock(seconds, progress))
     found = searcher.run(count, range(count), meets=True)
     outcome = _outcome(found, searcher)
     first, second = (None, None) if found.run is None else _runs(model, found.run)

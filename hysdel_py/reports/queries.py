@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from enum import Enum
 from typing import Any
 
-from hysdel_py.analysis.consistency import Clock
+from hysdel_py.analysis.clock import Clock
 from hysdel_py.analysis.hybrid_set import Span
 from hysdel_py.analysis.safety import Question, Searcher
 from hysdel_py.analysis.start_box import box_around
@@ -101,7 +101,7 @@ def answer_queries(
     seconds : float
         Time limit of each query.
     progress : callable, optional
-        ``progress(answered, queries)`` after each query.
+        ``progress(answered, queries)`` at each search and after each query; a true answer leaves the rest unsettled.
 
     Returns
     -------
@@ -126,20 +126,24 @@ def answer_queries(
     ['holds', 'violated']
     """
     check_model(model, seconds)
-    queries, found = model.typed.queries, []
+    queries = model.typed.queries
+    found: list[QueryAnswer] = []
+
+    def watch(_searches: int = 0) -> Any:
+        return progress is not None and progress(len(found), len(queries))
+
     for query in queries:
-        found.append(QueryAnswer(query, _answer(query, model, inputs or {}, seconds)))
-        if progress is not None:
-            progress(len(found), len(queries))
+        found.append(QueryAnswer(query, _answer(query, model, inputs or {}, Clock(seconds, watch))))
+        watch()
     return tuple(found)
 
 
-def _answer(query: Query, model: Model, inputs: Mapping[str, Span], seconds: float) -> SafetyAnswer:
+def _answer(query: Query, model: Model, inputs: Mapping[str, Span], clock: Clock) -> SafetyAnswer:
     target = condition_of_expression(_searched(query), model)
     start = None if query.start is None else condition_of_expression(query.start, model)
     box = {} if start is None else _within(box_around(start), model)
     question = Question(model.dha, box, start, inputs, target, query.steps, model.sample_time)
-    searcher = Searcher(question, Clock(seconds))
+    searcher = Searcher(question, clock)
     return avoidance(model, searcher) if query.kind is QueryKind.EVENTUALLY else meeting(model, searcher)
 
 

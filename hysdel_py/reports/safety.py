@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 
 from numpy.typing import ArrayLike
 
-from hysdel_py.analysis.consistency import Clock
+from hysdel_py.analysis.clock import Clock
 from hysdel_py.analysis.hybrid_set import HybridSet, Span
 from hysdel_py.analysis.monitor import Monitor
 from hysdel_py.analysis.safety import Found, Progress, Question, Searcher, Verdict, earliest_meeting, longest_avoidance
@@ -56,7 +56,7 @@ def can_reach(
     seconds : float
         Time limit.
     progress : callable, optional
-        ``progress(k, searches)`` after each time that is settled.
+        ``progress(k, searches)`` after each time that is settled; a true answer ends the search.
 
     Returns
     -------

@@ -64,6 +64,21 @@ def test_ctrl_c_in_a_loop_leaves_its_steps(folder):
     assert len((folder / "run.csv").read_text().splitlines()) > 1
 
 
+@pytest.mark.parametrize(
+    ("arguments", "status", "words"),
+    [
+        (("verify", "bist_part2"), 4, "not settled"),
+        (("explain-infeasible", "bist_part2", "--x0", "0,0,0,0,0,0,0", "--horizon", "30"), 4, "not settled"),
+        (("check", "bist_part2", "--deep"), 0, "not settled"),
+    ],
+)
+def test_an_interrupt_leaves_what_is_settled(folder, arguments, status, words):
+    seen = watched(*arguments, folder=folder, interrupt_at="search ")
+    assert "interrupted: what was not settled by then is left open" in seen.terminal
+    assert words in seen.out
+    assert seen.status == status
+
+
 def test_no_terminal_no_progress(hysdel):
     shown = hysdel(*LONG[:-1], "50", "--json")
     assert shown.err == ""
