@@ -13,6 +13,9 @@ from pathlib import Path
 
 ROOT = Path(__file__).parents[2]
 SECONDS = 120
+START = """import runpy, signal
+signal.signal(signal.SIGINT, signal.default_int_handler)  # ignored in what a shell runs in the background
+runpy.run_module("hysdel_py.cli", run_name="__main__", alter_sys=True)"""
 
 
 @dataclass(frozen=True)
@@ -31,7 +34,7 @@ def watched(*arguments, folder, interrupt_at="", environment=None):
     variables |= {"PYTHONPATH": str(ROOT), "TERM": "xterm", "COLUMNS": "100"} | (environment or {})
     with (folder / "out.txt").open("w") as out:
         process = subprocess.Popen(
-            [sys.executable, "-m", "hysdel_py.cli", *map(str, arguments)], cwd=folder, stdout=out, stderr=theirs,
+            [sys.executable, "-c", START, *map(str, arguments)], cwd=folder, stdout=out, stderr=theirs,
             stdin=subprocess.DEVNULL, env=variables, start_new_session=True,
         )  # fmt: skip
         os.close(theirs)
