@@ -37,7 +37,7 @@ if TYPE_CHECKING:
     from pathlib import Path
 
     from hysdel_py.control.explanation import PlanExplanation
-    from hysdel_py.optimize.miqp import Miqp
+    from hysdel_py.optimize.miqp import Miqp, MiqpSettings
 
 __all__ = ["HybridMpc", "Move", "MoveStatus"]
 
@@ -165,6 +165,11 @@ class HybridMpc:
     def uses_last_input(self) -> bool:
         """Whether increments of the inputs are weighed or limited, so that :meth:`solve` needs the last input."""
         return self.formulation.uses_last_input
+
+    @property
+    def settings(self) -> MiqpSettings:
+        """Settings of the search, among them the gap up to which a plan counts as optimal."""
+        return self._planner.solver.settings
 
     def reset(self) -> None:
         """Forget the last plan."""

@@ -1,0 +1,202 @@
+"""By how much one more step at the end of a plan can add to its cost.
+
+The added cost is that of the step and the change of the terminal weight. On each mode of the piecewise affine form it is
+a quadratic function of states and inputs, which is bounded from above over the states in which a plan may end and the
+inputs that lead back there.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from hysdel_py.analysis.hybrid_set import HybridSet, box_of
+from hysdel_py.analysis.least_cost import Squares
+from hysdel_py.analysis.output_limits import with_output_limits
+from hysdel_py.analysis.pwa_branches import Branch, branches_of
+from hysdel_py.analysis.quadratic_bound import Quadratic, is_nowhere_positive
+from hysdel_py.analysis.terminal_step import Limited
+from hysdel_py.errors import ArgumentError
+from hysdel_py.geometry.polyhedron import Polyhedron
+from hysdel_py.systems.pwa import Pwa
+
+__all__ = ["AddedCost", "greatest_addition"]
+
+Vector = NDArray[np.float64]
+Matrix = NDArray[np.float64]
+Form = tuple[Matrix, Vector]
+"""``M (v, s) + m`` of real states v and inputs s."""
+
+_MARGIN = 0.01  # of what may be added: the bound is tried so much above the greatest value that was seen
+_NEGLIGIBLE = 1e-9  # coefficients below this, relative to the greatest, are rounding
+_ROUNDS = 20
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class AddedCost:
+    """What one more step adds.
+
+    Attributes
+    ----------
+    bound : float or None
+        No step adds more; None where that was not found within the parts.
+    seen : float
+        The greatest that was seen; minus infinity where there is no step.
+    state : array of shape (n,) or None
+        Real states where it was seen.
+    regions : int
+        Parts of the states, one for each mode.
+    """
+
+    bound: float | None
+    seen: float
+    state: Vector | None
+    regions: int
+
+
+def greatest_addition(
+    pwa: Pwa, ends: HybridSet, limits: Limited, stage: Squares, terminal: Squares, *, allowed: float, parts: int
+) -> AddedCost:
+    """Bound what one more step adds from above.
+
+    Parameters
+    ----------
+    pwa : Pwa
+    ends : HybridSet
+        In which plans end, within the limits.
+    limits : Limited
+    stage, terminal : Squares
+        Costs of a step and of the last state.
+    allowed : float
+        What may be added; sets how fine the bound is looked for.
+    parts : int
+        Parts of a region that are looked at, at most.
+
+    Raises
+    ------
+    ArgumentError
+        A weighted signal that a mode leaves open.
+    """
+    pieces = list(_pieces(with_output_limits(pwa, limits.outputs), ends, limits, stage, terminal))
+    seen, state = _seen(pieces)
+    bound = seen + _MARGIN * max(1.0, abs(allowed))
+    for _ in range(_ROUNDS):
+        higher = None
+        for function, region in pieces:
+            shifted = Quadratic(function.H, function.g, function.c - bound)
+            found = is_nowhere_positive(shifted, region, 0.0, parts)
+            if not found.holds and found.witness is None:
+                return AddedCost(None, seen, state, len(pieces))
+            if not found.holds:
+                higher = found.witness
+                seen, state = float(function(higher[None])[0]), higher  # type: ignore[index]
+                break
+        if higher is None:
+            return AddedCost(bound, seen, state, len(pieces))
+        bound = seen + _MARGIN * max(1.0, abs(allowed))
+    return AddedCost(None, seen, state, len(pieces))
+
+
+def _seen(pieces: list[tuple[Quadratic, Polyhedron]]) -> tuple[float, Vector | None]:
+    """The greatest value at a vertex."""
+    seen, state = -np.inf, None
+    for function, region in pieces:
+        values = function(region.vertices)
+        if len(values) and values.max() > seen:
+            seen, state = float(values.max()), region.vertices[int(np.argmax(values))]
+    return seen, state
+
+
+def _pieces(
+    pwa: Pwa, ends: HybridSet, limits: Limited, stage: Squares, terminal: Squares
+) -> Iterator[tuple[Quadratic, Polyhedron]]:
+    low, high = box_of(limits.inputs, pwa.u, "inputs")
+    reals = [i for i, v in enumerate(pwa.u) if not v.is_bool]
+    booleans = [i for i, v in enumerate(pwa.u) if v.is_bool]
+    for branch in branches_of(pwa):
+        if not all(low[i] <= branch.inputs[k] <= high[i] for k, i in enumerate(booleans)):
+            continue
+        function = _addition(pwa, branch, stage, terminal)
+        for first in (piece.region for piece in ends.pieces if piece.word == branch.word):
+            for last in (piece.region for piece in ends.pieces if piece.word == branch.next_word):
+                region = _steps(branch, first, last, (low[reals], high[reals]))
+                function_, region = _without_inputs(function, region, len(branch.f))
+                if not region.is_empty:
+                    yield function_, region
+
+
+def _steps(branch: Branch, first: Polyhedron, last: Polyhedron, inputs: tuple[Vector, Vector]) -> Polyhedron:
+    """States and inputs of a branch that lead from one region to another."""
+    n, m = branch.B.shape
+    box = Polyhedron.box(*inputs)
+    rows = branch.region.with_rows(np.hstack([first.A, np.zeros((first.m, m))]), first.b)
+    rows = rows.with_rows(np.hstack([np.zeros((box.m, n)), box.A]), box.b)
+    return rows & last.preimage(np.hstack([branch.A, branch.B]), branch.f)
+
+
+def _without_inputs(function: Quadratic, region: Polyhedron, n: int) -> tuple[Quadratic, Polyhedron]:
+    """Over the states alone where the inputs do not matter; what inputs take away is left out, which is no less safe."""
+    size = max(float(np.abs(function.H).max(initial=0.0)), float(np.abs(function.g).max(initial=0.0)))
+    of_inputs = max(float(np.abs(function.H[n:]).max(initial=0.0)), float(np.abs(function.g[n:]).max(initial=0.0)))
+    if of_inputs > _NEGLIGIBLE * size:
+        return function, region
+    own = ~np.any(region.A[:, n:] != 0.0, axis=1)
+    return Quadratic(function.H[:n, :n], function.g[:n], function.c), Polyhedron(region.A[own, :n], region.b[own])
+
+
+def _addition(pwa: Pwa, branch: Branch, stage: Squares, terminal: Squares) -> Quadratic:
+    n = len(branch.f)
+    here = np.hstack([np.eye(n), np.zeros_like(branch.B)]), np.zeros(n)
+    after = np.hstack([branch.A, branch.B]), branch.f
+    cost = _square(stage, _forms(pwa, branch, stage, here))
+    gain = _square(terminal, _forms(pwa, branch, terminal, after, branch.next_word))
+    loss = _square(terminal, _forms(pwa, branch, terminal, here))
+    return Quadratic(cost.H + gain.H - loss.H, cost.g + gain.g - loss.g, cost.c + gain.c - loss.c)
+
+
+def _square(squares: Squares, form: Form) -> Quadratic:
+    M, m = form
+    away = m - squares.r
+    return Quadratic(M.T @ squares.Q @ M, 2 * M.T @ squares.Q @ away, float(away @ squares.Q @ away))
+
+
+def _forms(pwa: Pwa, branch: Branch, squares: Squares, states: Form, word: tuple[bool, ...] | None = None) -> Form:
+    """The signals of a cost; `states` are those that count as the states, with the Booleans `word`."""
+    rows = [_form(pwa, branch, vector, name, states, word) for vector, name in squares.signals]
+    size = states[0].shape[1]
+    return np.array([row for row, _ in rows]).reshape(-1, size), np.array([constant for _, constant in rows])
+
+
+def _form(
+    pwa: Pwa, branch: Branch, vector: str, name: str, states: Form, word: tuple[bool, ...] | None
+) -> tuple[Vector, float]:
+    size, n = states[0].shape[1], len(branch.f)
+    if vector == "d":
+        value = dict(pwa.modes[branch.mode].word).get(name)
+        if value is None:
+            raise ArgumentError(f"the weighted Boolean {name} has both values in a mode of the piecewise affine form")
+        return np.zeros(size), float(value)
+    if vector == "y":
+        return _output(pwa, branch, name)
+    variables = pwa.x if vector == "x" else pwa.u
+    booleans = [v.name for v in variables if v.is_bool]
+    reals = [v.name for v in variables if not v.is_bool]
+    if name in booleans:
+        own = (branch.word if word is None else word) if vector == "x" else branch.inputs
+        return np.zeros(size), float(own[booleans.index(name)])
+    if vector == "x":
+        k = reals.index(name)
+        return states[0][k], float(states[1][k])
+    return np.eye(size)[n + reals.index(name)], 0.0
+
+
+def _output(pwa: Pwa, branch: Branch, name: str) -> tuple[Vector, float]:
+    mode, variables = pwa.modes[branch.mode], (*pwa.x, *pwa.u)
+    k = [v.name for v in pwa.y].index(name)
+    row = np.concatenate([mode.C[k], mode.D[k]])
+    real = np.array([not v.is_bool for v in variables])
+    values = np.array([*branch.word, *branch.inputs], dtype=float)
+    return row[real], float(mode.g[k] + row[~real] @ values)

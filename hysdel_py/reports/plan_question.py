@@ -1,0 +1,195 @@
+"""A predictive controller as the question that a certificate answers: its limits, its end, its costs, its programs."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from hysdel_py.analysis.encoding import ranges_by_definition
+from hysdel_py.analysis.hybrid_set import HybridSet, hybrid_set
+from hysdel_py.analysis.least_cost import Squares
+from hysdel_py.analysis.terminal_step import Limited
+from hysdel_py.control.bands import Band
+from hysdel_py.control.construction import make_solver
+from hysdel_py.control.formulation import Formulation
+from hysdel_py.control.hybrid_mpc import HybridMpc
+from hysdel_py.control.settings import ControlTolerances
+from hysdel_py.geometry.polyhedron import Polyhedron
+from hysdel_py.model import Model
+from hysdel_py.systems.dha import Dha
+
+if TYPE_CHECKING:
+    from hysdel_py.optimize.milp import MilpSolver
+    from hysdel_py.optimize.miqp import MiqpSettings, MiqpSolver
+
+__all__ = ["PlanPrograms", "PlanQuestion", "plan_question"]
+
+Vector = NDArray[np.float64]
+Table = Mapping[str, Vector]
+
+_ENOUGH = {"gap_rel": 1e-2, "node_limit": 5000}
+"""The word of a plan need not be the best one."""
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class PlanQuestion:
+    """What a certificate needs to know of a controller.
+
+    Attributes
+    ----------
+    controller : HybridMpc
+    model : Model
+    table : mapping of name to array of shape (N + 1,)
+        References.
+    limits : Limited
+        Hard limits of states, inputs and outputs.
+    ends : HybridSet
+        In which plans end, within the limits of states.
+    has_end : bool
+        Whether there are hard limits of the last state beside those of all states.
+    obstacles : tuple of str
+        Why a plan without its first step, with one more, need not be a plan.
+    """
+
+    controller: HybridMpc
+    model: Model
+    table: Table
+    limits: Limited
+    ends: HybridSet
+    has_end: bool
+    obstacles: tuple[str, ...]
+
+    @property
+    def formulation(self) -> Formulation:
+        """The program of the controller."""
+        return self.controller.formulation
+
+    @property
+    def stage(self) -> Squares:
+        """Cost of a step; states count after the step."""
+        return self._squares(1 if self.controller.horizon > 1 else 0, terminal=False)
+
+    @property
+    def terminal(self) -> Squares:
+        """Cost of the last state."""
+        return self._squares(self.controller.horizon, terminal=True)
+
+    def _squares(self, time: int, *, terminal: bool) -> Squares:
+        objective = self.formulation.objective
+        last = self.controller.horizon
+        chosen = [
+            i
+            for i, signal in enumerate(objective.tracked)
+            if signal.time == time and (signal.group == "x" and signal.time == last) == terminal
+        ]
+        targets = self.formulation.prepared.targets(self.table, len(objective.tracked))
+        signals = tuple((objective.tracked[i].group, objective.tracked[i].name) for i in chosen)
+        return Squares(signals, objective.Q.toarray()[np.ix_(chosen, chosen)], targets[chosen])
+
+    def hard_bands(self) -> tuple[Band, ...]:
+        """Limits of states and outputs that are not softened."""
+        resolved = self.formulation.limits
+        return tuple(b for b in resolved.bands if b.group in {"x", "y"} and resolved.slack_of(b) is None)
+
+    def softened(self) -> tuple[str, ...]:
+        """Names of the limits that a plan may exceed at a price."""
+        return self.formulation.limits.slacks
+
+
+def plan_question(controller: HybridMpc, model: Model, table: Table) -> PlanQuestion:
+    """Read a controller of a model."""
+    resolved = controller.formulation.limits
+    hard = [band for band in resolved.bands if resolved.slack_of(band) is None]
+    limits = Limited(*({b.name: (b.low, b.high) for b in hard if b.group == group} for group in ("x", "u", "y")))
+    within = hybrid_set(limits.states, model.dha.x, "limits") & hybrid_set({}, model.dha.x, "limits")
+    rows = list(_end_rows(controller, hard))
+    ends = within
+    if rows:
+        polyhedron = Polyhedron(np.array([row for row, _ in rows]), np.array([side for _, side in rows]))
+        ends = within & hybrid_set(polyhedron, model.dha.x, "terminal")
+        ends = HybridSet(ends.x, tuple(replace(piece, region=piece.region.minimal()) for piece in ends.pieces))
+    return PlanQuestion(controller, model, table, limits, ends, bool(rows), tuple(_obstacles(controller, model, table)))
+
+
+def _end_rows(controller: HybridMpc, hard: list[Band]) -> Any:
+    """Rows ``a x_N <= b`` of the hard limits of the last state."""
+    mld, resolved = controller.mld, controller.formulation.limits
+    for band in hard:
+        if band.group not in {"terminal", "final"}:
+            continue
+        row = np.eye(mld.nx)[band.column] if band.group == "terminal" else mld.C[band.column]
+        offset = 0.0 if band.group == "terminal" else float(mld.D5[band.column])
+        low, high = band.at(controller.horizon)
+        yield from ((s * row, s * (end - offset)) for s, end in ((1.0, high), (-1.0, low)) if np.isfinite(end))
+    if resolved.polytope is not None and resolved.polytope_slack is None:
+        yield from ((a, float(b)) for a, b in zip(resolved.polytope.S, resolved.polytope.T, strict=True))
+
+
+def _obstacles(controller: HybridMpc, model: Model, table: Table) -> Any:
+    f = controller.formulation
+    if any(len(band.lows) > 1 or len(band.highs) > 1 for band in f.limits.bands):
+        yield "limits change over the horizon"
+    if f.shape.starts != tuple(range(controller.horizon)):
+        yield "inputs are held in blocks"
+    if not f.shape.is_exact:
+        yield "switches of later steps are relaxed"
+    if f.uses_last_input:
+        yield "increments of inputs are weighed or limited"
+    if any(np.ptp(values) > 0 for values in table.values()):
+        yield "references change over the horizon"
+    narrow = _narrow_auxiliaries(model.dha)
+    if narrow:
+        yield f"the declared ranges of {', '.join(narrow)} restrict the model"
+
+
+def _narrow_auxiliaries(dha: Dha) -> tuple[str, ...]:
+    """Auxiliaries whose declared range is narrower than what their definition gives."""
+    follows = ranges_by_definition(dha)
+    return tuple(
+        v.name
+        for v in dha.z
+        if not v.generated and (v.low > follows[v.name][0] + 1e-9 * abs(v.low) or v.high < follows[v.name][1])
+    )
+
+
+@dataclass(eq=False, slots=True)
+class PlanPrograms:
+    """The programs of a controller, one for each state; see :class:`hysdel_py.analysis.start_cover.Programs`."""
+
+    formulation: Formulation
+    table: Table
+    tolerances: ControlTolerances
+    settings: MiqpSettings
+    _solver: MiqpSolver | MilpSolver = field(init=False)
+
+    def __post_init__(self) -> None:
+        self._solver = make_solver(self.formulation, replace(self.settings, **_ENOUGH))
+
+    def word(self, x: Vector) -> Vector | None:
+        """Booleans of a plan; None where it is proven that there is none."""
+        from hysdel_py.optimize.miqp import MiqpStatus
+
+        if self.formulation.failed_conditions(x, self.tolerances.measured):
+            return None
+        result = self._solver.solve(**self.formulation.vectors(x, self.table).as_keywords(), floor=0.0)
+        if result.x is not None:
+            return np.round(result.x[self.formulation.binaries])
+        if result.status is MiqpStatus.INFEASIBLE:
+            return None
+        raise TimeoutError(result.message)
+
+    def cost(self, x: Vector, word: Vector) -> float:
+        """What the best plan with these Booleans costs, infinite where none is found."""
+        vectors = self.formulation.vectors(x, self.table)
+        lb, ub = vectors.lb.copy(), vectors.ub.copy()
+        lb[self.formulation.binaries] = ub[self.formulation.binaries] = word
+        if self.formulation.failed_conditions(x, self.tolerances.measured):
+            return np.inf
+        result = self._solver.solve(**(vectors.as_keywords() | {"lb": lb, "ub": ub}), floor=0.0)
+        if result.x is None or self.formulation.residual(result.x, vectors) > self.tolerances.residual:
+            return np.inf
+        return float(result.objective)

@@ -1,0 +1,360 @@
+"""Is there a plan at every step, and does the closed loop get where it should? A certificate for a predictive controller."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from itertools import product
+from math import inf, isfinite, nan
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from hysdel_py.analysis.certificate import PredictiveCertificate, Premise, Proof
+from hysdel_py.analysis.consistency import Clock
+from hysdel_py.analysis.counts import counted
+from hysdel_py.analysis.hybrid_set import HybridSet, Span, box_of
+from hysdel_py.analysis.invariance import feasible_states
+from hysdel_py.analysis.least_cost import Squares, least_value
+from hysdel_py.analysis.milp import Milp
+from hysdel_py.analysis.monitor import Monitor
+from hysdel_py.analysis.runs import start_runs
+from hysdel_py.analysis.safety import Question, Searcher, Verdict
+from hysdel_py.analysis.settings import DEFAULT_SEARCH_TOLERANCES
+from hysdel_py.analysis.start_cover import Cover, cover_of
+from hysdel_py.analysis.terminal_cost import greatest_addition
+from hysdel_py.analysis.terminal_step import demand_piece, kept_by_a_step, limited_dha
+from hysdel_py.control.hybrid_mpc import HybridMpc
+from hysdel_py.control.move import MoveStatus
+from hysdel_py.control.references import Reference
+from hysdel_py.control.weights import Norm
+from hysdel_py.errors import ArgumentError, HysdelError
+from hysdel_py.model import Model
+from hysdel_py.reports.condition import condition_of
+from hysdel_py.reports.plan_question import PlanPrograms, PlanQuestion, plan_question
+from hysdel_py.reports.safety import check_model
+
+if TYPE_CHECKING:
+    from hysdel_py.analysis.start_cover import Progress
+    from hysdel_py.geometry.polyhedron import Polyhedron
+
+    Condition = str | Mapping[str, Span] | Polyhedron | HybridSet
+
+__all__ = ["predictive_certificate"]
+
+Vector = NDArray[np.float64]
+
+MOST_REALS = 3
+"""Feasible sets of whole horizons are computed for models with so many real states."""
+TRIED_STEPS = 60
+"""Closed loops that may refute a premise go on for so long."""
+
+
+def predictive_certificate(
+    controller: HybridMpc,
+    start: Mapping[str, Span],
+    *,
+    ref: Reference = None,
+    target: Condition | None = None,
+    never: Condition | None = None,
+    boxes: int = 2000,
+    parts: int = 4000,
+    seconds: float = 600.0,
+    progress: Progress | None = None,
+) -> PredictiveCertificate:
+    """Prove that a predictive controller always has a plan, keeps its limits and reaches a target, or say what is missing.
+
+    Parameters
+    ----------
+    controller : HybridMpc
+        Of a Model. A terminal limit helps: without one the last state of a plan may be any within the limits.
+    start : mapping of name to value or (low, high)
+        First states; those that are not named may have any value of their range.
+    ref : as for :meth:`HybridMpc.solve`
+        Constant references.
+    target : text, mapping, Polyhedron or HybridSet, optional
+        Condition on states, which the closed loop is to meet.
+    never : text, mapping, Polyhedron or HybridSet, optional
+        Condition on states, inputs, outputs and auxiliaries that no step of a plan but the first state may meet;
+        searched in the steps of the model under the limits of the controller, from any state within them.
+    boxes : int
+        Boxes of first states that are looked at, at most.
+    parts : int
+        Parts of a region over which a quadratic function is bounded, at most.
+    seconds : float
+        Time limit.
+    progress : callable, optional
+        ``progress(settled, pending)`` after each box of first states.
+
+    Returns
+    -------
+    PredictiveCertificate
+        One :class:`~hysdel_py.analysis.certificate.Premise` for each step of the argument, each proven, violated with a
+        state, or not settled with a reason. ``print`` shows it.
+
+    Raises
+    ------
+    ArgumentError
+        Wrong arguments; a controller of a form without its source; a first state outside its range.
+
+    Notes
+    -----
+    The plant is the model itself. `target` is reached if every plan is proven optimal within the gap of the controller;
+    that there is a plan and that limits are kept holds for any plan, however good it is. Sets count up to parts without
+    inner points, and programs up to the tolerances of their solvers; in the gap that a threshold leaves in the program
+    of the controller (its epsilon) there is no plan but by these tolerances.
+    """
+    clock = Clock(seconds)
+    question, box, wanted = _question(controller, start, ref, target, seconds)
+    boxes, parts = counted(boxes, 1, "boxes"), counted(parts, 1, "parts")
+    limits = _limits(question, never, clock)
+    terminal = _terminal(question, clock)
+    cover = _covered(question, box, boxes, clock, progress)
+    following = _next_plan(question, terminal, box, cover)
+    fall, decrease, floor = None, nan, 0.0
+    if wanted is not None:
+        fall, decrease, floor = _fall(question, wanted, cover, parts, clock)
+    return PredictiveCertificate(
+        question.model.name, controller.horizon, limits, terminal, following, _start_premise(question, cover), fall,
+        "" if wanted is None else wanted.text, decrease, cover.cost, floor, cover.parts, clock.elapsed,
+    )  # fmt: skip
+
+
+def _question(
+    controller: HybridMpc, start: Mapping[str, Span], ref: Reference, target: Condition | None, seconds: float
+) -> tuple[PlanQuestion, tuple[Vector, Vector], Monitor | None]:
+    if not isinstance(controller, HybridMpc):
+        raise ArgumentError(f"a {type(controller).__name__} was given: a HybridMpc was expected")
+    model = controller.model
+    if not isinstance(model, Model):
+        raise ArgumentError(f"the controller was built from a {type(model).__name__}: one of a Model was expected")
+    check_model(model, seconds)
+    low, high = box_of(start, model.dha.x, "start")
+    for v, a, b in zip(model.dha.x, low, high, strict=True):
+        least, most = (0.0, 1.0) if v.is_bool else (v.low, v.high)
+        if a < least or b > most:
+            raise ArgumentError(f"start: {v.name} in [{a:g}, {b:g}] leaves its range [{least:g}, {most:g}]")
+    wanted = None if target is None else condition_of(target, model, "target")
+    if wanted is not None and wanted.needs_step:
+        raise ArgumentError(f"target: '{wanted.text}' reads more than states")
+    return plan_question(controller, model, controller.references.table(ref)), (low, high), wanted
+
+
+def _named(question: PlanQuestion, state: Vector | None) -> dict[str, float] | None:
+    if state is None:
+        return None
+    return {v.name: float(value) for v, value in zip(question.model.dha.x, state, strict=True)}
+
+
+# ---- limits ----------------------------------------------------------------------------------------------------------
+
+
+def _limits(question: PlanQuestion, never: Condition | None, clock: Clock) -> Premise:
+    hard = ", ".join(f"{b.group} {b.name} in {b.text()}" for b in question.hard_bands()) or "declared ranges only"
+    soft = question.softened()
+    message = f"softened and not kept for sure: {', '.join(soft)}" if soft else ""
+    by = f"rows of the plan for its second step: {hard}"
+    if never is None:
+        return Premise("limits hold at the next state", Proof.PROVEN, by, message)
+    found, searched = _searched(question, never, clock)
+    proof, by = Proof.PROVEN, f"{by}; {searched}"
+    if found is not None:
+        proof, said, state = found
+        return Premise("limits hold at the next state", proof, by, "; ".join(filter(None, (said, message))), state)
+    return Premise("limits hold at the next state", proof, by, message)
+
+
+def _searched(
+    question: PlanQuestion, never: Condition, clock: Clock
+) -> tuple[tuple[Proof, str, dict[str, float] | None] | None, str]:
+    """Whether a step under the limits leads to a condition; first what contradicts or is left open, None if nothing."""
+    model, limits = question.model, question.limits
+    monitor, text = condition_of(never, model, "never"), ""
+    for steps in dict.fromkeys((min(2, question.controller.horizon), question.controller.horizon)):
+        time = min(1, steps - monitor.needs_step)
+        asked = Question(limited_dha(model.dha, limits), {}, None, limits.inputs, monitor, steps, model.sample_time)
+        found = Searcher(asked, clock).run(steps, (time,), meets=True)
+        text = (
+            f"no {steps} steps under the limits of the plan meet '{monitor.text}' after the first: mixed-integer search"
+        )
+        if found.verdict is Verdict.NONE:
+            return None if not found.borderline else (Proof.PROVEN, found.message, None), text
+        if found.verdict is Verdict.NOT_SETTLED:
+            return (Proof.NOT_SETTLED, found.message, None), text
+    assert found.run is not None  # the verdict says so
+    state = {v.name: float(value) for v, value in zip(model.dha.x, found.run.x[0], strict=True)}
+    return (Proof.VIOLATED, f"a run under the limits meets '{monitor.text}' at its step {time}", state), text
+
+
+# ---- one more step ---------------------------------------------------------------------------------------------------
+
+
+def _terminal(question: PlanQuestion, clock: Clock) -> Premise:
+    name = "one more step from where plans end"
+    if question.ends.is_empty:
+        return Premise(name, Proof.VIOLATED, "linear programs", "there is no state in which a plan could end")
+    kept = kept_by_a_step(question.model.pwa, question.model.dha, question.ends, question.limits, clock)
+    by = f"states with such a step, computed backward in {kept.pieces} pieces, cover those in which plans end"
+    if kept.holds:
+        return Premise(name, Proof.PROVEN, by)
+    message = "no input keeps the limits and leads back to where plans end"
+    if not kept.is_confirmed:
+        return Premise(name, Proof.NOT_SETTLED, by, "the sets leave a part that a search does not confirm")
+    return Premise(name, Proof.VIOLATED, f"{by}; mixed-integer search", message, _named(question, kept.state))
+
+
+def _next_plan(question: PlanQuestion, terminal: Premise, box: tuple[Vector, Vector], cover: Cover) -> Premise:
+    name = "the next state has a plan"
+    if terminal.holds and not question.obstacles:
+        return Premise(name, Proof.PROVEN, "the plan without its first step, and one more step")
+    if not question.obstacles and not question.has_end and _is_small(question):
+        found = _by_sets(question, name)
+        if found.holds:
+            return found
+    refuted = _refuted(question, box) if cover.without is None else None
+    if refuted is not None:
+        return Premise(
+            name, Proof.VIOLATED, "a closed loop from the first states", "there is no plan any more", refuted
+        )
+    reasons = question.obstacles or ("one more step is not proven",)
+    return Premise(name, Proof.NOT_SETTLED, "the plan without its first step", "; ".join(reasons))
+
+
+def _is_small(question: PlanQuestion) -> bool:
+    return sum(not v.is_bool for v in question.model.dha.x) <= MOST_REALS
+
+
+def _by_sets(question: PlanQuestion, name: str) -> Premise:
+    """Whether states that can go on for N - 1 steps can do so for N."""
+    N, limits, pwa = question.controller.horizon, question.limits, question.model.pwa
+
+    def feasible(steps: int) -> HybridSet:
+        return feasible_states(
+            pwa, steps, within=question.ends, terminal=question.ends, inputs=limits.inputs, outputs=limits.outputs
+        )
+
+    by = f"feasible sets of {N - 1} and {N} steps are the same"
+    holds = feasible(N).covers(feasible(N - 1) & question.ends)
+    return Premise(name, Proof.PROVEN if holds else Proof.NOT_SETTLED, by)
+
+
+def _refuted(question: PlanQuestion, box: tuple[Vector, Vector]) -> dict[str, float] | None:
+    """A state of a closed loop from a corner of the first states that has no plan."""
+    controller, dha = question.controller, question.model.dha
+    ref = {name: values for name, values in question.table.items()}
+    for corner in product(*({a, b} for a, b in zip(*box, strict=True))):
+        controller.reset()
+        x: Vector = np.array(corner)
+        for k in range(TRIED_STEPS):
+            if controller.uses_last_input:
+                return None
+            move = controller.solve(x, ref)
+            if move.u is None or move.fallback:
+                cause = move.status if move.cause is None else move.cause
+                return _named(question, x) if k and cause is MoveStatus.INFEASIBLE else None
+            try:
+                x = dha.step(x, move.u, check=False)[0]
+            except HysdelError:
+                break
+    return None
+
+
+# ---- first states ----------------------------------------------------------------------------------------------------
+
+
+def _covered(
+    question: PlanQuestion, box: tuple[Vector, Vector], most: int, clock: Clock, progress: Progress | None
+) -> Cover:
+    controller = question.controller
+    programs = PlanPrograms(question.formulation, question.table, controller.tolerances, controller.settings)
+    logical = [i for i, v in enumerate(question.model.dha.x) if v.is_bool]
+    return cover_of(programs, box, clock, most=most, cuts=_words(box, logical), progress=progress)
+
+
+def _words(box: tuple[Vector, Vector], logical: list[int]) -> list[tuple[Vector, Vector]]:
+    """The box with each value of its Boolean states."""
+    found = []
+    for values in product(*({box[0][i], box[1][i]} for i in logical)):
+        low, high = box[0].copy(), box[1].copy()
+        low[logical] = high[logical] = values
+        found.append((low, high))
+    return found
+
+
+def _start_premise(question: PlanQuestion, cover: Cover) -> Premise:
+    name = "each first state has a plan"
+    by = f"{cover.parts} boxes, in each plans with the same Booleans from all corners"
+    if cover.is_complete:
+        return Premise(name, Proof.PROVEN, f"{by}; none costs more than {cover.cost:.6g}")
+    if cover.without is not None:
+        return Premise(
+            name, Proof.VIOLATED, "the program of the controller", "no plan", _named(question, cover.without)
+        )
+    return Premise(name, Proof.NOT_SETTLED, by, "a box around this state is left", _named(question, cover.open))
+
+
+# ---- the cost --------------------------------------------------------------------------------------------------------
+
+
+def _fall(
+    question: PlanQuestion, wanted: Monitor, cover: Cover, parts: int, clock: Clock
+) -> tuple[Premise, float, float]:
+    """Whether the cost falls outside of the target, by how much, and what every plan costs at least."""
+    name, unsettled = f"the cost falls outside of {wanted.text}", Proof.NOT_SETTLED
+    stage, terminal = question.stage, question.terminal
+    if question.formulation.norm is not Norm.SQUARES:
+        return Premise(name, unsettled, "", "bounds are known for costs of squares only"), nan, 0.0
+    if any(vector == "z" for vector, _ in stage.signals):
+        return Premise(name, unsettled, "", "weights of real auxiliaries have no bounds here"), nan, 0.0
+    least = _least_outside(question, wanted, stage, clock)
+    allowed = least if isfinite(least) else 0.0
+    try:
+        added = greatest_addition(
+            question.model.pwa, question.ends, question.limits, stage, terminal, allowed=allowed, parts=parts
+        )
+    except ArgumentError as error:
+        return Premise(name, unsettled, "", str(error)), nan, 0.0
+    floor = _least_end(question, terminal, clock)
+    gap = max(question.controller.settings.gap_abs, question.controller.settings.gap_rel * cover.cost)
+    by = (
+        f"a step outside costs {least:.6g} at least, one more step at the end adds {_shown(added.bound)} at most "
+        f"({added.regions} regions), plans are optimal within {gap:.3g}"
+    )
+    if added.bound is None:
+        return Premise(name, unsettled, by, "what one more step adds is not bounded within the parts"), nan, floor
+    decrease = least - added.bound - gap
+    if decrease > 0:
+        return Premise(name, Proof.PROVEN, f"{by}: it falls by {decrease:.6g}"), decrease, floor
+    reals = [v.name for v in question.model.dha.x if not v.is_bool]
+    state = None if added.state is None else dict(zip(reals, map(float, added.state), strict=False))
+    message = "a step at the end may add more than the first one takes away"
+    return Premise(name, unsettled, by, message, state), nan, floor
+
+
+def _shown(bound: float | None) -> str:
+    return "(unknown)" if bound is None else f"{bound:.6g}"
+
+
+def _least_outside(question: PlanQuestion, wanted: Monitor, stage: Squares, clock: Clock) -> float:
+    """What a step costs at least that starts outside of the target."""
+    runs = start_runs(question.model.dha, {}, question.limits.inputs, (0.0, DEFAULT_SEARCH_TOLERANCES.apart))
+    runs.grow()
+    outside = runs.watch(wanted, 0)
+    problem = runs.problem.copy()
+    problem.fix(outside.result, 0.0)
+    step = runs.steps[0]
+    places = {"y": step.outputs, "u": runs.inputs[0], "d": step.values, "x": runs.states[1]}
+    return least_value(problem, [(stage, [places[w][name] for w, name in stage.signals])], clock).bound
+
+
+def _least_end(question: PlanQuestion, terminal: Squares, clock: Clock) -> float:
+    """What the last state of a plan costs at least."""
+    least = inf
+    for piece in question.ends.pieces:
+        problem = Milp()
+        dha = question.model.dha
+        places = {v.name: problem.boolean() if v.is_bool else problem.real(v.low, v.high) for v in dha.x}
+        demand_piece(problem, places, piece, dha)
+        sums = [(terminal, [places[name] for _, name in terminal.signals])]
+        least = min(least, least_value(problem, sums, clock).bound)
+    return least if isfinite(least) else 0.0
