@@ -93,6 +93,7 @@ if TYPE_CHECKING:
     from hysdel_py.reports.observability import observability
     from hysdel_py.reports.observability_answer import Observability
     from hysdel_py.reports.page import html_report
+    from hysdel_py.reports.plan_steps import plans_never
     from hysdel_py.reports.predictive import predictive_certificate
     from hysdel_py.reports.queries import QueryAnswer, answer_queries
     from hysdel_py.reports.safety import can_reach, must_reach
@@ -215,6 +216,7 @@ __all__ = [
     "minkowski_sum",
     "must_reach",
     "observability",
+    "plans_never",
     "pontryagin_difference",
     "predictive_certificate",
     "reach",
@@ -349,6 +351,7 @@ _HOME = {
     "minkowski_sum": "geometry.relations",
     "must_reach": "reports.safety",
     "observability": "reports.observability",
+    "plans_never": "reports.plan_steps",
     "pontryagin_difference": "geometry.relations",
     "predictive_certificate": "reports.predictive",
     "reach": "analysis.reach",

@@ -2,8 +2,8 @@
 
 The argument is that of A. Bemporad and M. Morari, "Control of systems integrating logic, dynamics, and constraints",
 Automatica 35 (1999), and D. Q. Mayne, J. B. Rawlings, C. V. Rao and P. O. M. Scokaert, "Constrained model predictive
-control: stability and optimality", Automatica 36 (2000): a plan without its first step, with one more step from where it
-ends, is a plan from the next state. So there always is a plan, and the cost of the best one falls by what the first
+control: stability and optimality", Automatica 36 (2000): a plan without its first step, with one more step from where
+it ends, is a plan from the next state. So there always is a plan, and the cost of the best one falls by what the first
 step cost, less what the step at the end adds.
 """
 
@@ -142,15 +142,15 @@ class PredictiveCertificate:
 
     @property
     def verdict(self) -> str:
-        """``"proven"`` where all that was asked is, ``"violated"`` where a premise is contradicted, or ``"not settled"``.
+        """``"proven"`` where all that was asked is; ``"violated"`` where a premise is contradicted; ``"not settled"``.
 
         The terminal set serves to show that there is a next plan, and does not count where that is shown otherwise.
         """
         asked = [premise for premise in self.premises if premise is not self.terminal]
         if all(premise.holds for premise in asked):
-            return Proof.PROVEN.value
+            return "proven"
         broken = any(premise.proof is Proof.VIOLATED for premise in asked)
-        return (Proof.VIOLATED if broken else Proof.NOT_SETTLED).value
+        return "violated" if broken else "not settled"
 
     def to_dict(self) -> dict[str, Any]:
         """Plain data, ready for JSON."""

@@ -1,7 +1,8 @@
 """The least value of a sum of squares over mixed-integer rows, from below.
 
 Each square is bounded from below by tangents, which are added where the last point lies (J. E. Kelley, "The
-cutting-plane method for solving convex programs", Journal of SIAM 8, 1960). The bound of each program is one of the sum.
+cutting-plane method for solving convex programs", Journal of SIAM 8, 1960). The bound of each program is one of the
+sum.
 """
 
 from __future__ import annotations
@@ -14,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hysdel_py.analysis.milp import Answer, Milp, Status
-from hysdel_py.analysis.search import Clock
+from hysdel_py.analysis.start_cover import Timer
 
 __all__ = ["Least", "Squares", "least_value"]
 
@@ -56,13 +57,13 @@ class Squares:
 
 @dataclass(frozen=True, eq=False, slots=True)
 class Least:
-    """No point has a lesser value than `bound`, which is infinite where there is no point; `w` is where it is nearly so."""
+    """No point has a lesser value than `bound`, infinite where there is no point; `w` is where it is nearly so."""
 
     bound: float
     w: Vector
 
 
-def least_value(problem: Milp, sums: Sequence[tuple[Squares, Sequence[int]]], clock: Clock) -> Least:
+def least_value(problem: Milp, sums: Sequence[tuple[Squares, Sequence[int]]], clock: Timer) -> Least:
     """Bound a sum of squares from below.
 
     Parameters
@@ -71,7 +72,7 @@ def least_value(problem: Milp, sums: Sequence[tuple[Squares, Sequence[int]]], cl
         Is left as it is.
     sums : sequence of (Squares, places)
         Each with the variables that its signals are.
-    clock : Clock
+    clock : Timer
     """
     work = problem.copy()
     roots = [root for squares, places in sums for root in _roots(work, squares, places)]

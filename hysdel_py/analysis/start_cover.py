@@ -1,13 +1,14 @@
 """Whether each state of a box has a plan, and what the best plans cost at most.
 
-With the Booleans of the plans held, the pairs of a state and a plan from it are a polyhedron, and the cost is convex on
-it. So where the corners of a box have plans with the same word of Booleans, all its states have, and none costs more than
-the dearest corner. A box is halved where its corners share neither the word of its centre nor one of theirs that was tried.
+With the Booleans of the plans held, the pairs of a state and a plan from it are a polyhedron, and the cost is convex
+on it. So where the corners of a box have plans with the same word of Booleans, all its states have, and none costs more
+than the dearest corner. A box is halved where its corners share neither the word of its centre nor one of theirs that
+was tried.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from itertools import product
 from math import inf
@@ -16,9 +17,9 @@ from typing import Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from hysdel_py.analysis.search import Clock
+from hysdel_py.systems.dha import Dha, Event
 
-__all__ = ["Cover", "Programs", "cover_of"]
+__all__ = ["Cover", "Programs", "Timer", "at_thresholds", "cover_of"]
 
 MOST_WORDS = 4
 """Words that are tried on a box: that of its centre, then those of corners that do not share it."""
@@ -26,6 +27,14 @@ MOST_WORDS = 4
 Vector = NDArray[np.float64]
 Box = tuple[Vector, Vector]
 Progress = Callable[[int, int], object]
+
+
+class Timer(Protocol):
+    """How much time there is."""
+
+    @property
+    def left(self) -> float:
+        """Seconds until the limit."""
 
 
 class Programs(Protocol):
@@ -70,7 +79,7 @@ class Cover:
 
 
 def cover_of(
-    programs: Programs, box: Box, clock: Clock, *, most: int, cuts: Sequence[Box] = (), progress: Progress | None = None
+    programs: Programs, box: Box, clock: Timer, *, most: int, cuts: Sequence[Box] = (), progress: Progress | None = None
 ) -> Cover:
     """Cover a box of first states by parts with a common word.
 
@@ -79,7 +88,7 @@ def cover_of(
     programs : Programs
     box : (low, high)
         Ends may be equal.
-    clock : Clock
+    clock : Timer
     most : int
         Boxes that are looked at, at most.
     cuts : sequence of (low, high)
@@ -143,3 +152,29 @@ def _halves(low: Vector, high: Vector, widest: Vector) -> list[Box]:
     lower, upper = high.copy(), low.copy()
     lower[k], upper[k] = middle, middle
     return [(low, lower), (upper, high)]
+
+
+def at_thresholds(box: Box, dha: Dha) -> list[Box]:
+    """A box cut where a single state is compared with a number, without the gap that epsilon leaves there."""
+    parts = [box]
+    for i, low, high in _comparisons(dha):
+        parts = [part for whole in parts for part in _cut(whole, i, low, high)]
+    return parts
+
+
+def _comparisons(dha: Dha) -> Iterator[tuple[int, float, float]]:
+    """Real states with the ends of the gap of a threshold."""
+    reals = {v.name: i for i, v in enumerate(dha.x) if not v.is_bool}
+    for item in dha.items:
+        if isinstance(item, Event) and len(item.form.terms) == 1 and item.form.terms[0][0] in reals:
+            ((name, c),) = item.form.terms
+            ends = (-item.form.constant / c, (item.epsilon - item.form.constant) / c)
+            yield reals[name], min(ends), max(ends)
+
+
+def _cut(box: Box, i: int, low: float, high: float) -> list[Box]:
+    below, above = box[1].copy(), box[0].copy()
+    if not box[0][i] <= low <= high <= box[1][i]:
+        return [box]
+    below[i], above[i] = low, high
+    return [(box[0], below), (above, box[1])]

@@ -1,13 +1,13 @@
 """By how much one more step at the end of a plan can add to its cost.
 
-The added cost is that of the step and the change of the terminal weight. On each mode of the piecewise affine form it is
-a quadratic function of states and inputs, which is bounded from above over the states in which a plan may end and the
-inputs that lead back there.
+The added cost is that of the step and the change of the terminal weight. On each mode of the piecewise affine form it
+is a quadratic function of states and inputs, which is bounded from above over the states in which a plan may end and
+the inputs that lead back there.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -22,6 +22,7 @@ from hysdel_py.analysis.terminal_step import Limited
 from hysdel_py.errors import ArgumentError
 from hysdel_py.geometry.polyhedron import Polyhedron
 from hysdel_py.systems.pwa import Pwa
+from hysdel_py.systems.signals import Variable
 
 __all__ = ["AddedCost", "greatest_addition"]
 
@@ -138,7 +139,7 @@ def _steps(branch: Branch, first: Polyhedron, last: Polyhedron, inputs: tuple[Ve
 
 
 def _without_inputs(function: Quadratic, region: Polyhedron, n: int) -> tuple[Quadratic, Polyhedron]:
-    """Over the states alone where the inputs do not matter; what inputs take away is left out, which is no less safe."""
+    """Over the states alone where the inputs do not matter; rows of inputs are left out, which is no less safe."""
     size = max(float(np.abs(function.H).max(initial=0.0)), float(np.abs(function.g).max(initial=0.0)))
     of_inputs = max(float(np.abs(function.H[n:]).max(initial=0.0)), float(np.abs(function.g[n:]).max(initial=0.0)))
     if of_inputs > _NEGLIGIBLE * size:
@@ -147,12 +148,21 @@ def _without_inputs(function: Quadratic, region: Polyhedron, n: int) -> tuple[Qu
     return Quadratic(function.H[:n, :n], function.g[:n], function.c), Polyhedron(region.A[own, :n], region.b[own])
 
 
+@dataclass(frozen=True, eq=False, slots=True)
+class _Moment:
+    """The states ``M (v, s) + m`` with Boolean ones, before or after the step of a branch."""
+
+    M: Matrix
+    m: Vector
+    word: tuple[bool, ...]
+
+
 def _addition(pwa: Pwa, branch: Branch, stage: Squares, terminal: Squares) -> Quadratic:
     n = len(branch.f)
-    here = np.hstack([np.eye(n), np.zeros_like(branch.B)]), np.zeros(n)
-    after = np.hstack([branch.A, branch.B]), branch.f
+    here = _Moment(np.hstack([np.eye(n), np.zeros_like(branch.B)]), np.zeros(n), branch.word)
+    after = _Moment(np.hstack([branch.A, branch.B]), branch.f, branch.next_word)
     cost = _square(stage, _forms(pwa, branch, stage, here))
-    gain = _square(terminal, _forms(pwa, branch, terminal, after, branch.next_word))
+    gain = _square(terminal, _forms(pwa, branch, terminal, after))
     loss = _square(terminal, _forms(pwa, branch, terminal, here))
     return Quadratic(cost.H + gain.H - loss.H, cost.g + gain.g - loss.g, cost.c + gain.c - loss.c)
 
@@ -163,34 +173,46 @@ def _square(squares: Squares, form: Form) -> Quadratic:
     return Quadratic(M.T @ squares.Q @ M, 2 * M.T @ squares.Q @ away, float(away @ squares.Q @ away))
 
 
-def _forms(pwa: Pwa, branch: Branch, squares: Squares, states: Form, word: tuple[bool, ...] | None = None) -> Form:
-    """The signals of a cost; `states` are those that count as the states, with the Booleans `word`."""
-    rows = [_form(pwa, branch, vector, name, states, word) for vector, name in squares.signals]
-    size = states[0].shape[1]
+def _forms(pwa: Pwa, branch: Branch, squares: Squares, moment: _Moment) -> Form:
+    """The signals of a cost."""
+    rows = [_form(pwa, branch, signal, moment) for signal in squares.signals]
+    size = moment.M.shape[1]
     return np.array([row for row, _ in rows]).reshape(-1, size), np.array([constant for _, constant in rows])
 
 
-def _form(
-    pwa: Pwa, branch: Branch, vector: str, name: str, states: Form, word: tuple[bool, ...] | None
-) -> tuple[Vector, float]:
-    size, n = states[0].shape[1], len(branch.f)
-    if vector == "d":
-        value = dict(pwa.modes[branch.mode].word).get(name)
-        if value is None:
-            raise ArgumentError(f"the weighted Boolean {name} has both values in a mode of the piecewise affine form")
-        return np.zeros(size), float(value)
-    if vector == "y":
-        return _output(pwa, branch, name)
-    variables = pwa.x if vector == "x" else pwa.u
-    booleans = [v.name for v in variables if v.is_bool]
-    reals = [v.name for v in variables if not v.is_bool]
-    if name in booleans:
-        own = (branch.word if word is None else word) if vector == "x" else branch.inputs
-        return np.zeros(size), float(own[booleans.index(name)])
-    if vector == "x":
-        k = reals.index(name)
-        return states[0][k], float(states[1][k])
-    return np.eye(size)[n + reals.index(name)], 0.0
+def _form(pwa: Pwa, branch: Branch, signal: tuple[str, str], moment: _Moment) -> tuple[Vector, float]:
+    match signal:
+        case "y", name:
+            return _output(pwa, branch, name)
+        case "d", name:
+            return _auxiliary(pwa, branch, name, moment.M.shape[1])
+        case "x", name:
+            return _state(pwa, name, moment)
+        case _, name:
+            return _input(pwa, branch, name)
+
+
+def _auxiliary(pwa: Pwa, branch: Branch, name: str, size: int) -> tuple[Vector, float]:
+    value = dict(pwa.modes[branch.mode].word).get(name)
+    if value is None:
+        raise ArgumentError(f"the weighted Boolean {name} has both values in a mode of the piecewise affine form")
+    return np.zeros(size), float(value)
+
+
+def _state(pwa: Pwa, name: str, moment: _Moment) -> tuple[Vector, float]:
+    logical, k = _place(pwa.x, name)
+    return (np.zeros(moment.M.shape[1]), float(moment.word[k])) if logical else (moment.M[k], float(moment.m[k]))
+
+
+def _input(pwa: Pwa, branch: Branch, name: str) -> tuple[Vector, float]:
+    (n, m), (logical, k) = branch.B.shape, _place(pwa.u, name)
+    return (np.zeros(n + m), float(branch.inputs[k])) if logical else (np.eye(n + m)[n + k], 0.0)
+
+
+def _place(variables: Sequence[Variable], name: str) -> tuple[bool, int]:
+    """Whether a variable is Boolean, and which of the Boolean or real ones it is."""
+    logical = next(v.is_bool for v in variables if v.name == name)
+    return logical, [v.name for v in variables if v.is_bool == logical].index(name)
 
 
 def _output(pwa: Pwa, branch: Branch, name: str) -> tuple[Vector, float]:

@@ -20,8 +20,8 @@ from hysdel_py.analysis.milp import Milp, Status
 from hysdel_py.analysis.output_limits import with_output_limits
 from hysdel_py.analysis.reach import reach_backward
 from hysdel_py.analysis.runs import start_runs
-from hysdel_py.analysis.search import Clock
 from hysdel_py.analysis.settings import DEFAULT_SEARCH_TOLERANCES
+from hysdel_py.analysis.start_cover import Timer
 from hysdel_py.systems.affine import Affine
 from hysdel_py.systems.dha import AffineEquation, AffineRequirement, Dha
 from hysdel_py.systems.origin import Origin
@@ -68,7 +68,7 @@ class Kept:
     pieces: int
 
 
-def kept_by_a_step(pwa: Pwa, dha: Dha, states: HybridSet, limits: Limited, clock: Clock) -> Kept:
+def kept_by_a_step(pwa: Pwa, dha: Dha, states: HybridSet, limits: Limited, clock: Timer) -> Kept:
     """Whether from each state of a set some input keeps the limits and leads back, up to sets without inner points."""
     limited = with_output_limits(pwa, limits.outputs)
     before = reach_backward(limited, states, 1, inputs=limits.inputs, most=maxsize).sets[1]
@@ -79,7 +79,7 @@ def kept_by_a_step(pwa: Pwa, dha: Dha, states: HybridSet, limits: Limited, clock
     return Kept(False, state, _is_lost(dha, state, states, limits, clock), len(before.pieces))
 
 
-def _is_lost(dha: Dha, state: Vector, states: HybridSet, limits: Limited, clock: Clock) -> bool:
+def _is_lost(dha: Dha, state: Vector, states: HybridSet, limits: Limited, clock: Timer) -> bool:
     """Whether the rows of a step have no point that starts at a state and ends in a set."""
     start = {v.name: float(value) for v, value in zip(dha.x, state, strict=True)}
     runs = start_runs(limited_dha(dha, replace(limits, states={})), start, limits.inputs, (0.0, 0.0))

@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field, replace
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
-from hysdel_py.analysis.encoding import ranges_by_definition
+from hysdel_py.analysis.encoding import OUTWARDS, Interval, ranges_by_definition
 from hysdel_py.analysis.hybrid_set import HybridSet, hybrid_set
 from hysdel_py.analysis.least_cost import Squares
 from hysdel_py.analysis.terminal_step import Limited
@@ -18,21 +18,22 @@ from hysdel_py.control.construction import make_solver
 from hysdel_py.control.formulation import Formulation
 from hysdel_py.control.hybrid_mpc import HybridMpc
 from hysdel_py.control.settings import ControlTolerances
+from hysdel_py.errors import ArgumentError
 from hysdel_py.geometry.polyhedron import Polyhedron
 from hysdel_py.model import Model
+from hysdel_py.reports.safety import check_model
 from hysdel_py.systems.dha import Dha
 
 if TYPE_CHECKING:
     from hysdel_py.optimize.milp import MilpSolver
     from hysdel_py.optimize.miqp import MiqpSettings, MiqpSolver
 
-__all__ = ["PlanPrograms", "PlanQuestion", "plan_question"]
+__all__ = ["PlanPrograms", "PlanQuestion", "checked_controller", "plan_question"]
 
 Vector = NDArray[np.float64]
 Table = Mapping[str, Vector]
 
-_ENOUGH = {"gap_rel": 1e-2, "node_limit": 5000}
-"""The word of a plan need not be the best one."""
+_GAP, _NODES = 1e-2, 5000  # the word of a plan need not be the best one
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -100,6 +101,23 @@ class PlanQuestion:
         return self.formulation.limits.slacks
 
 
+def checked_controller(controller: object, seconds: float) -> Model:
+    """The model of a controller.
+
+    Raises
+    ------
+    ArgumentError
+        It is no controller, or one of a form without its source.
+    """
+    if not isinstance(controller, HybridMpc):
+        raise ArgumentError(f"a {type(controller).__name__} was given: a HybridMpc was expected")
+    model = controller.model
+    if not isinstance(model, Model):
+        raise ArgumentError(f"the controller was built from a {type(model).__name__}: one of a Model was expected")
+    check_model(model, seconds)
+    return model
+
+
 def plan_question(controller: HybridMpc, model: Model, table: Table) -> PlanQuestion:
     """Read a controller of a model."""
     resolved = controller.formulation.limits
@@ -115,7 +133,7 @@ def plan_question(controller: HybridMpc, model: Model, table: Table) -> PlanQues
     return PlanQuestion(controller, model, table, limits, ends, bool(rows), tuple(_obstacles(controller, model, table)))
 
 
-def _end_rows(controller: HybridMpc, hard: list[Band]) -> Any:
+def _end_rows(controller: HybridMpc, hard: list[Band]) -> Iterator[tuple[Vector, float]]:
     """Rows ``a x_N <= b`` of the hard limits of the last state."""
     mld, resolved = controller.mld, controller.formulation.limits
     for band in hard:
@@ -129,7 +147,7 @@ def _end_rows(controller: HybridMpc, hard: list[Band]) -> Any:
         yield from ((a, float(b)) for a, b in zip(resolved.polytope.S, resolved.polytope.T, strict=True))
 
 
-def _obstacles(controller: HybridMpc, model: Model, table: Table) -> Any:
+def _obstacles(controller: HybridMpc, model: Model, table: Table) -> Iterator[str]:
     f = controller.formulation
     if any(len(band.lows) > 1 or len(band.highs) > 1 for band in f.limits.bands):
         yield "limits change over the horizon"
@@ -149,11 +167,12 @@ def _obstacles(controller: HybridMpc, model: Model, table: Table) -> Any:
 def _narrow_auxiliaries(dha: Dha) -> tuple[str, ...]:
     """Auxiliaries whose declared range is narrower than what their definition gives."""
     follows = ranges_by_definition(dha)
-    return tuple(
-        v.name
-        for v in dha.z
-        if not v.generated and (v.low > follows[v.name][0] + 1e-9 * abs(v.low) or v.high < follows[v.name][1])
-    )
+    return tuple(v.name for v in dha.z if not v.generated and _is_narrower((v.low, v.high), follows[v.name]))
+
+
+def _is_narrower(declared: Interval, follows: Interval) -> bool:
+    room = OUTWARDS * max(1.0, *(abs(end) for end in follows))
+    return declared[0] > follows[0] + room or declared[1] < follows[1] - room
 
 
 @dataclass(eq=False, slots=True)
@@ -167,7 +186,7 @@ class PlanPrograms:
     _solver: MiqpSolver | MilpSolver = field(init=False)
 
     def __post_init__(self) -> None:
-        self._solver = make_solver(self.formulation, replace(self.settings, **_ENOUGH))
+        self._solver = make_solver(self.formulation, replace(self.settings, gap_rel=_GAP, node_limit=_NODES))
 
     def word(self, x: Vector) -> Vector | None:
         """Booleans of a plan; None where it is proven that there is none."""

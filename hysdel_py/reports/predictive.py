@@ -19,20 +19,17 @@ from hysdel_py.analysis.least_cost import Squares, least_value
 from hysdel_py.analysis.milp import Milp
 from hysdel_py.analysis.monitor import Monitor
 from hysdel_py.analysis.runs import start_runs
-from hysdel_py.analysis.safety import Question, Searcher, Verdict
 from hysdel_py.analysis.settings import DEFAULT_SEARCH_TOLERANCES
-from hysdel_py.analysis.start_cover import Cover, cover_of
+from hysdel_py.analysis.start_cover import Cover, at_thresholds, cover_of
 from hysdel_py.analysis.terminal_cost import greatest_addition
-from hysdel_py.analysis.terminal_step import demand_piece, kept_by_a_step, limited_dha
+from hysdel_py.analysis.terminal_step import demand_piece, kept_by_a_step
 from hysdel_py.control.hybrid_mpc import HybridMpc
 from hysdel_py.control.move import MoveStatus
 from hysdel_py.control.references import Reference
 from hysdel_py.control.weights import Norm
 from hysdel_py.errors import ArgumentError, HysdelError
-from hysdel_py.model import Model
 from hysdel_py.reports.condition import condition_of
-from hysdel_py.reports.plan_question import PlanPrograms, PlanQuestion, plan_question
-from hysdel_py.reports.safety import check_model
+from hysdel_py.reports.plan_question import PlanPrograms, PlanQuestion, checked_controller, plan_question
 
 if TYPE_CHECKING:
     from hysdel_py.analysis.start_cover import Progress
@@ -56,7 +53,6 @@ def predictive_certificate(
     *,
     ref: Reference = None,
     target: Condition | None = None,
-    never: Condition | None = None,
     boxes: int = 2000,
     parts: int = 4000,
     seconds: float = 600.0,
@@ -74,9 +70,6 @@ def predictive_certificate(
         Constant references.
     target : text, mapping, Polyhedron or HybridSet, optional
         Condition on states, which the closed loop is to meet.
-    never : text, mapping, Polyhedron or HybridSet, optional
-        Condition on states, inputs, outputs and auxiliaries that no step of a plan but the first state may meet;
-        searched in the steps of the model under the limits of the controller, from any state within them.
     boxes : int
         Boxes of first states that are looked at, at most.
     parts : int
@@ -107,7 +100,7 @@ def predictive_certificate(
     clock = Clock(seconds)
     question, box, wanted = _question(controller, start, ref, target, seconds)
     boxes, parts = counted(boxes, 1, "boxes"), counted(parts, 1, "parts")
-    limits = _limits(question, never, clock)
+    limits = _limits(question)
     terminal = _terminal(question, clock)
     cover = _covered(question, box, boxes, clock, progress)
     following = _next_plan(question, terminal, box, cover)
@@ -123,12 +116,7 @@ def predictive_certificate(
 def _question(
     controller: HybridMpc, start: Mapping[str, Span], ref: Reference, target: Condition | None, seconds: float
 ) -> tuple[PlanQuestion, tuple[Vector, Vector], Monitor | None]:
-    if not isinstance(controller, HybridMpc):
-        raise ArgumentError(f"a {type(controller).__name__} was given: a HybridMpc was expected")
-    model = controller.model
-    if not isinstance(model, Model):
-        raise ArgumentError(f"the controller was built from a {type(model).__name__}: one of a Model was expected")
-    check_model(model, seconds)
+    model = checked_controller(controller, seconds)
     low, high = box_of(start, model.dha.x, "start")
     for v, a, b in zip(model.dha.x, low, high, strict=True):
         least, most = (0.0, 1.0) if v.is_bool else (v.low, v.high)
@@ -149,41 +137,13 @@ def _named(question: PlanQuestion, state: Vector | None) -> dict[str, float] | N
 # ---- limits ----------------------------------------------------------------------------------------------------------
 
 
-def _limits(question: PlanQuestion, never: Condition | None, clock: Clock) -> Premise:
+def _limits(question: PlanQuestion) -> Premise:
     hard = ", ".join(f"{b.group} {b.name} in {b.text()}" for b in question.hard_bands()) or "declared ranges only"
     soft = question.softened()
     message = f"softened and not kept for sure: {', '.join(soft)}" if soft else ""
-    by = f"rows of the plan for its second step: {hard}"
-    if never is None:
-        return Premise("limits hold at the next state", Proof.PROVEN, by, message)
-    found, searched = _searched(question, never, clock)
-    proof, by = Proof.PROVEN, f"{by}; {searched}"
-    if found is not None:
-        proof, said, state = found
-        return Premise("limits hold at the next state", proof, by, "; ".join(filter(None, (said, message))), state)
-    return Premise("limits hold at the next state", proof, by, message)
-
-
-def _searched(
-    question: PlanQuestion, never: Condition, clock: Clock
-) -> tuple[tuple[Proof, str, dict[str, float] | None] | None, str]:
-    """Whether a step under the limits leads to a condition; first what contradicts or is left open, None if nothing."""
-    model, limits = question.model, question.limits
-    monitor, text = condition_of(never, model, "never"), ""
-    for steps in dict.fromkeys((min(2, question.controller.horizon), question.controller.horizon)):
-        time = min(1, steps - monitor.needs_step)
-        asked = Question(limited_dha(model.dha, limits), {}, None, limits.inputs, monitor, steps, model.sample_time)
-        found = Searcher(asked, clock).run(steps, (time,), meets=True)
-        text = (
-            f"no {steps} steps under the limits of the plan meet '{monitor.text}' after the first: mixed-integer search"
-        )
-        if found.verdict is Verdict.NONE:
-            return None if not found.borderline else (Proof.PROVEN, found.message, None), text
-        if found.verdict is Verdict.NOT_SETTLED:
-            return (Proof.NOT_SETTLED, found.message, None), text
-    assert found.run is not None  # the verdict says so
-    state = {v.name: float(value) for v, value in zip(model.dha.x, found.run.x[0], strict=True)}
-    return (Proof.VIOLATED, f"a run under the limits meets '{monitor.text}' at its step {time}", state), text
+    return Premise(
+        "limits hold at the next state", Proof.PROVEN, f"rows of the plan for its second step: {hard}", message
+    )
 
 
 # ---- one more step ---------------------------------------------------------------------------------------------------
@@ -241,7 +201,7 @@ def _by_sets(question: PlanQuestion, name: str) -> Premise:
 def _refuted(question: PlanQuestion, box: tuple[Vector, Vector]) -> dict[str, float] | None:
     """A state of a closed loop from a corner of the first states that has no plan."""
     controller, dha = question.controller, question.model.dha
-    ref = {name: values for name, values in question.table.items()}
+    ref = dict(question.table)
     for corner in product(*({a, b} for a, b in zip(*box, strict=True))):
         controller.reset()
         x: Vector = np.array(corner)
@@ -268,7 +228,8 @@ def _covered(
     controller = question.controller
     programs = PlanPrograms(question.formulation, question.table, controller.tolerances, controller.settings)
     logical = [i for i, v in enumerate(question.model.dha.x) if v.is_bool]
-    return cover_of(programs, box, clock, most=most, cuts=_words(box, logical), progress=progress)
+    cuts = [part for whole in _words(box, logical) for part in at_thresholds(whole, question.model.dha)]
+    return cover_of(programs, box, clock, most=most, cuts=cuts, progress=progress)
 
 
 def _words(box: tuple[Vector, Vector], logical: list[int]) -> list[tuple[Vector, Vector]]:
