@@ -190,13 +190,23 @@ class PlanPrograms:
 
     def word(self, x: Vector) -> Vector | None:
         """Booleans of a plan; None where it is proven that there is none."""
+        plan = self.plan(x)
+        return None if plan is None else np.round(plan[self.formulation.binaries])
+
+    def first_input(self, x: Vector) -> Vector | None:
+        """First input of a plan; None where it is proven that there is none."""
+        plan, begin = self.plan(x), self.formulation.layout.start("u", 0)
+        return None if plan is None else plan[begin : begin + self.formulation.layout.mld.nu]
+
+    def plan(self, x: Vector) -> Vector | None:
+        """A plan, which need not be the best one; None where it is proven that there is none."""
         from hysdel_py.optimize.miqp import MiqpStatus
 
         if self.formulation.failed_conditions(x, self.tolerances.measured):
             return None
         result = self._solver.solve(**self.formulation.vectors(x, self.table).as_keywords(), floor=0.0)
         if result.x is not None:
-            return np.round(result.x[self.formulation.binaries])
+            return np.asarray(result.x)
         if result.status is MiqpStatus.INFEASIBLE:
             return None
         raise TimeoutError(result.message)

@@ -1,8 +1,9 @@
-"""Is there a plan at every step, and does the closed loop get where it should? A certificate for a predictive controller."""
+"""Is there a plan at every step, and does the closed loop get where it should? A certificate for a controller."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import dataclass
 from itertools import product
 from math import inf, isfinite, nan
 from typing import TYPE_CHECKING
@@ -24,7 +25,6 @@ from hysdel_py.analysis.start_cover import Cover, at_thresholds, cover_of
 from hysdel_py.analysis.terminal_cost import greatest_addition
 from hysdel_py.analysis.terminal_step import demand_piece, kept_by_a_step
 from hysdel_py.control.hybrid_mpc import HybridMpc
-from hysdel_py.control.move import MoveStatus
 from hysdel_py.control.references import Reference
 from hysdel_py.control.weights import Norm
 from hysdel_py.errors import ArgumentError, HysdelError
@@ -34,6 +34,7 @@ from hysdel_py.reports.plan_question import PlanPrograms, PlanQuestion, checked_
 if TYPE_CHECKING:
     from hysdel_py.analysis.start_cover import Progress
     from hysdel_py.geometry.polyhedron import Polyhedron
+    from hysdel_py.systems.dha import Dha
 
     Condition = str | Mapping[str, Span] | Polyhedron | HybridSet
 
@@ -44,7 +45,16 @@ Vector = NDArray[np.float64]
 MOST_REALS = 3
 """Feasible sets of whole horizons are computed for models with so many real states."""
 TRIED_STEPS = 60
-"""Closed loops that may refute a premise go on for so long."""
+"""Runs along plans that may refute a premise go on for so long."""
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class _Effort:
+    """How much may be looked at."""
+
+    boxes: int
+    parts: int
+    progress: Progress | None
 
 
 def predictive_certificate(
@@ -58,7 +68,7 @@ def predictive_certificate(
     seconds: float = 600.0,
     progress: Progress | None = None,
 ) -> PredictiveCertificate:
-    """Prove that a predictive controller always has a plan, keeps its limits and reaches a target, or say what is missing.
+    """Prove that a controller always has a plan, keeps its limits and reaches a target, or say what is missing.
 
     Parameters
     ----------
@@ -99,14 +109,15 @@ def predictive_certificate(
     """
     clock = Clock(seconds)
     question, box, wanted = _question(controller, start, ref, target, seconds)
-    boxes, parts = counted(boxes, 1, "boxes"), counted(parts, 1, "parts")
+    effort = _Effort(counted(boxes, 1, "boxes"), counted(parts, 1, "parts"), progress)
     limits = _limits(question)
     terminal = _terminal(question, clock)
-    cover = _covered(question, box, boxes, clock, progress)
-    following = _next_plan(question, terminal, box, cover)
+    programs = PlanPrograms(question.formulation, question.table, controller.tolerances, controller.settings)
+    cover = _covered(question, programs, box, clock, effort)
+    following = _next_plan(question, programs, terminal, None if cover.without is not None else box, clock)
     fall, decrease, floor = None, nan, 0.0
     if wanted is not None:
-        fall, decrease, floor = _fall(question, wanted, cover, parts, clock)
+        fall, decrease, floor = _fall(question, wanted, cover, effort.parts, clock)
     return PredictiveCertificate(
         question.model.name, controller.horizon, limits, terminal, following, _start_premise(question, cover), fall,
         "" if wanted is None else wanted.text, decrease, cover.cost, floor, cover.parts, clock.elapsed,
@@ -163,7 +174,9 @@ def _terminal(question: PlanQuestion, clock: Clock) -> Premise:
     return Premise(name, Proof.VIOLATED, f"{by}; mixed-integer search", message, _named(question, kept.state))
 
 
-def _next_plan(question: PlanQuestion, terminal: Premise, box: tuple[Vector, Vector], cover: Cover) -> Premise:
+def _next_plan(
+    question: PlanQuestion, programs: PlanPrograms, terminal: Premise, box: tuple[Vector, Vector] | None, clock: Clock
+) -> Premise:
     name = "the next state has a plan"
     if terminal.holds and not question.obstacles:
         return Premise(name, Proof.PROVEN, "the plan without its first step, and one more step")
@@ -171,11 +184,10 @@ def _next_plan(question: PlanQuestion, terminal: Premise, box: tuple[Vector, Vec
         found = _by_sets(question, name)
         if found.holds:
             return found
-    refuted = _refuted(question, box) if cover.without is None else None
-    if refuted is not None:
-        return Premise(
-            name, Proof.VIOLATED, "a closed loop from the first states", "there is no plan any more", refuted
-        )
+    lost = None if box is None else _refuted(programs, question.model.dha, box, clock)
+    if lost is not None:
+        said = "the next state of a plan, from a corner of the first states on, has none"
+        return Premise(name, Proof.VIOLATED, "runs along plans", said, _named(question, lost))
     reasons = question.obstacles or ("one more step is not proven",)
     return Premise(name, Proof.NOT_SETTLED, "the plan without its first step", "; ".join(reasons))
 
@@ -198,38 +210,37 @@ def _by_sets(question: PlanQuestion, name: str) -> Premise:
     return Premise(name, Proof.PROVEN if holds else Proof.NOT_SETTLED, by)
 
 
-def _refuted(question: PlanQuestion, box: tuple[Vector, Vector]) -> dict[str, float] | None:
-    """A state of a closed loop from a corner of the first states that has no plan."""
-    controller, dha = question.controller, question.model.dha
-    ref = dict(question.table)
+def _refuted(programs: PlanPrograms, dha: Dha, box: tuple[Vector, Vector], clock: Clock) -> Vector | None:
+    """A state to which plans lead from a corner of the first states and which has no plan."""
     for corner in product(*({a, b} for a, b in zip(*box, strict=True))):
-        controller.reset()
         x: Vector = np.array(corner)
-        for k in range(TRIED_STEPS):
-            if controller.uses_last_input:
-                return None
-            move = controller.solve(x, ref)
-            if move.u is None or move.fallback:
-                cause = move.status if move.cause is None else move.cause
-                return _named(question, x) if k and cause is MoveStatus.INFEASIBLE else None
+        for k in range(TRIED_STEPS if clock.left else 0):
             try:
-                x = dha.step(x, move.u, check=False)[0]
-            except HysdelError:
+                u = programs.first_input(x)
+                after = x if u is None else dha.step(x, u, check=False)[0]
+            except (TimeoutError, HysdelError):
                 break
+            if u is None:
+                return x if k else None
+            x = _on_range(after, dha)
     return None
+
+
+def _on_range(x: Vector, dha: Dha) -> Vector:
+    """What rounding left beside a range, moved onto it."""
+    low, high = (np.array([getattr(v, end) for v in dha.x]) for end in ("low", "high"))
+    return np.asarray(np.clip(x, low, high))
 
 
 # ---- first states ----------------------------------------------------------------------------------------------------
 
 
 def _covered(
-    question: PlanQuestion, box: tuple[Vector, Vector], most: int, clock: Clock, progress: Progress | None
+    question: PlanQuestion, programs: PlanPrograms, box: tuple[Vector, Vector], clock: Clock, effort: _Effort
 ) -> Cover:
-    controller = question.controller
-    programs = PlanPrograms(question.formulation, question.table, controller.tolerances, controller.settings)
     logical = [i for i, v in enumerate(question.model.dha.x) if v.is_bool]
     cuts = [part for whole in _words(box, logical) for part in at_thresholds(whole, question.model.dha)]
-    return cover_of(programs, box, clock, most=most, cuts=cuts, progress=progress)
+    return cover_of(programs, box, clock, most=effort.boxes, cuts=cuts, progress=effort.progress)
 
 
 def _words(box: tuple[Vector, Vector], logical: list[int]) -> list[tuple[Vector, Vector]]:
