@@ -13,12 +13,12 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from hysdel_py.analysis.hybrid_set import HybridSet, box_of
+from hysdel_py.analysis.hybrid_set import HybridSet
 from hysdel_py.analysis.least_cost import Squares
 from hysdel_py.analysis.output_limits import with_output_limits
-from hysdel_py.analysis.pwa_branches import Branch, branches_of
+from hysdel_py.analysis.pwa_branches import Branch
 from hysdel_py.analysis.quadratic_bound import Quadratic, is_nowhere_positive
-from hysdel_py.analysis.terminal_step import Limited
+from hysdel_py.analysis.terminal_step import LastLaw, Limited, steps_between
 from hysdel_py.errors import ArgumentError
 from hysdel_py.geometry.polyhedron import Polyhedron
 from hysdel_py.systems.pwa import Pwa
@@ -59,7 +59,14 @@ class AddedCost:
 
 
 def greatest_addition(
-    pwa: Pwa, ends: HybridSet, limits: Limited, stage: Squares, terminal: Squares, *, allowed: float, parts: int
+    pwa: Pwa,
+    ends: HybridSet,
+    limits: Limited,
+    costs: tuple[Squares, Squares],
+    law: LastLaw | None = None,
+    *,
+    allowed: float,
+    parts: int,
 ) -> AddedCost:
     """Bound what one more step adds from above.
 
@@ -69,8 +76,10 @@ def greatest_addition(
     ends : HybridSet
         In which plans end, within the limits.
     limits : Limited
-    stage, terminal : Squares
-        Costs of a step and of the last state.
+    costs : (Squares, Squares)
+        Of a step and of the last state.
+    law : LastLaw, optional
+        The input of the step; without it the worst one that leads back counts.
     allowed : float
         What may be added; sets how fine the bound is looked for.
     parts : int
@@ -81,7 +90,7 @@ def greatest_addition(
     ArgumentError
         A weighted signal that a mode leaves open.
     """
-    pieces = list(_pieces(with_output_limits(pwa, limits.outputs), ends, limits, stage, terminal))
+    pieces = list(_pieces(with_output_limits(pwa, limits.outputs), ends, limits, costs, law))
     seen, state = _seen(pieces)
     bound = seen + _MARGIN * max(1.0, abs(allowed))
     for _ in range(_ROUNDS):
@@ -112,30 +121,24 @@ def _seen(pieces: list[tuple[Quadratic, Polyhedron]]) -> tuple[float, Vector | N
 
 
 def _pieces(
-    pwa: Pwa, ends: HybridSet, limits: Limited, stage: Squares, terminal: Squares
+    pwa: Pwa, ends: HybridSet, limits: Limited, costs: tuple[Squares, Squares], law: LastLaw | None
 ) -> Iterator[tuple[Quadratic, Polyhedron]]:
-    low, high = box_of(limits.inputs, pwa.u, "inputs")
-    reals = [i for i, v in enumerate(pwa.u) if not v.is_bool]
-    booleans = [i for i, v in enumerate(pwa.u) if v.is_bool]
-    for branch in branches_of(pwa):
-        if not all(low[i] <= branch.inputs[k] <= high[i] for k, i in enumerate(booleans)):
-            continue
-        function = _addition(pwa, branch, stage, terminal)
-        for first in (piece.region for piece in ends.pieces if piece.word == branch.word):
-            for last in (piece.region for piece in ends.pieces if piece.word == branch.next_word):
-                region = _steps(branch, first, last, (low[reals], high[reals]))
-                function_, region = _without_inputs(function, region, len(branch.f))
-                if not region.is_empty:
-                    yield function_, region
+    for branch, steps, _ in steps_between(pwa, ends, ends, limits, law):
+        function = _addition(pwa, branch, *costs)
+        if law is None:
+            function, region = _without_inputs(function, steps, len(branch.f))
+        else:
+            function, region = _substituted(function, steps, law.reals(pwa))
+        if not region.is_empty:
+            yield function, region
 
 
-def _steps(branch: Branch, first: Polyhedron, last: Polyhedron, inputs: tuple[Vector, Vector]) -> Polyhedron:
-    """States and inputs of a branch that lead from one region to another."""
-    n, m = branch.B.shape
-    box = Polyhedron.box(*inputs)
-    rows = branch.region.with_rows(np.hstack([first.A, np.zeros((first.m, m))]), first.b)
-    rows = rows.with_rows(np.hstack([np.zeros((box.m, n)), box.A]), box.b)
-    return rows & last.preimage(np.hstack([branch.A, branch.B]), branch.f)
+def _substituted(function: Quadratic, region: Polyhedron, law: tuple[Matrix, Vector]) -> tuple[Quadratic, Polyhedron]:
+    """Over the states alone, with the inputs of a law."""
+    L, shift = law
+    H, g = function.H, function.g
+    moved = Quadratic(L.T @ H @ L, L.T @ (2 * H @ shift + g), float(shift @ H @ shift + g @ shift + function.c))
+    return moved, region.preimage(L, shift)
 
 
 def _without_inputs(function: Quadratic, region: Polyhedron, n: int) -> tuple[Quadratic, Polyhedron]:

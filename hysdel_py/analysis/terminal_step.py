@@ -7,7 +7,7 @@ automaton, which shares nothing with the sets.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
 from sys import maxsize
 
@@ -15,22 +15,25 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hysdel_py.analysis.encoding import Places
-from hysdel_py.analysis.hybrid_set import HybridSet, Piece, Span, whole_state
+from hysdel_py.analysis.hybrid_set import HybridSet, Piece, Span, box_of, whole_state
 from hysdel_py.analysis.milp import Milp, Status
 from hysdel_py.analysis.output_limits import with_output_limits
+from hysdel_py.analysis.pwa_branches import Branch, branches_of
 from hysdel_py.analysis.reach import reach_backward
 from hysdel_py.analysis.runs import start_runs
 from hysdel_py.analysis.settings import DEFAULT_SEARCH_TOLERANCES
 from hysdel_py.analysis.start_cover import Timer
+from hysdel_py.geometry.polyhedron import Polyhedron
 from hysdel_py.systems.affine import Affine
 from hysdel_py.systems.dha import AffineEquation, AffineRequirement, Dha
 from hysdel_py.systems.origin import Origin
 from hysdel_py.systems.pwa import Pwa
 from hysdel_py.systems.signals import Variable
 
-__all__ = ["Kept", "Limited", "demand_piece", "kept_by_a_step", "limited_dha"]
+__all__ = ["Kept", "LastLaw", "Limited", "demand_piece", "kept_by_a_step", "limited_dha", "steps_between"]
 
 Vector = NDArray[np.float64]
+Matrix = NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -45,6 +48,30 @@ class Limited:
     states: Mapping[str, Span]
     inputs: Mapping[str, Span]
     outputs: Mapping[str, Span]
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class LastLaw:
+    """``u = K x + k``, the input of one more step; rows of Boolean inputs hold no gains.
+
+    Attributes
+    ----------
+    K, k : arrays of shapes (nu, nx) and (nu,)
+    """
+
+    K: Matrix
+    k: Vector
+
+    def reals(self, pwa: Pwa) -> tuple[Matrix, Vector]:
+        """``(v, s) = L v + l`` of real states v and real inputs s, with what Boolean states add left out."""
+        states = [i for i, v in enumerate(pwa.x) if not v.is_bool]
+        inputs = [i for i, v in enumerate(pwa.u) if not v.is_bool]
+        L = np.vstack([np.eye(len(states)), self.K[np.ix_(inputs, states)]])
+        return L, np.concatenate([np.zeros(len(states)), self.k[inputs]])
+
+    def at(self, x: Vector) -> Vector:
+        """The input at a state."""
+        return np.asarray(self.K @ x + self.k)
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -68,15 +95,70 @@ class Kept:
     pieces: int
 
 
-def kept_by_a_step(pwa: Pwa, dha: Dha, states: HybridSet, limits: Limited, clock: Timer) -> Kept:
-    """Whether from each state of a set some input keeps the limits and leads back, up to sets without inner points."""
+def kept_by_a_step(
+    pwa: Pwa, dha: Dha, states: HybridSet, limits: Limited, law: LastLaw | None = None, *, clock: Timer
+) -> Kept:
+    """Whether from each state of a set some input keeps the limits and leads back, up to sets without inner points.
+
+    With a law it has to be its input.
+    """
     limited = with_output_limits(pwa, limits.outputs)
-    before = reach_backward(limited, states, 1, inputs=limits.inputs, most=maxsize).sets[1]
+    if law is None:
+        before = reach_backward(limited, states, 1, inputs=limits.inputs, most=maxsize).sets[1]
+    else:
+        before = HybridSet(states.x, tuple(_before_by_law(limited, states, limits, law)))
     if before.covers(states):
         return Kept(True, None, True, len(before.pieces))
     left = max(states.minus(before).pieces, key=lambda piece: piece.region.relative_ball.radius)
     state = whole_state(left.word, left.region.relative_ball.centre, pwa.x)
-    return Kept(False, state, _is_lost(dha, state, states, limits, clock), len(before.pieces))
+    inputs = limits if law is None else _at_input(limits, dha, law.at(state))
+    return Kept(False, state, _is_lost(dha, state, states, inputs, clock), len(before.pieces))
+
+
+def _before_by_law(pwa: Pwa, states: HybridSet, limits: Limited, law: LastLaw) -> Iterator[Piece]:
+    L, shift = law.reals(pwa)
+    for branch, region, _ in steps_between(pwa, None, states, limits, law):
+        own = region.preimage(L, shift)
+        if not own.is_empty:
+            yield Piece(branch.word, own, branch.mode)
+
+
+def steps_between(
+    pwa: Pwa, first: HybridSet | None, last: HybridSet, limits: Limited, law: LastLaw | None
+) -> Iterator[tuple[Branch, Polyhedron, Piece]]:
+    """Branches with the real states and inputs that lead from one set, anywhere without it, to another.
+
+    Boolean inputs are those of a law, if there is one.
+    """
+    low, high = box_of(limits.inputs, pwa.u, "inputs")
+    reals = [i for i, v in enumerate(pwa.u) if not v.is_bool]
+    logical = [i for i, v in enumerate(pwa.u) if v.is_bool]
+    box = Polyhedron.box(low[reals], high[reals])
+    for branch in branches_of(pwa):
+        wrong = law is not None and any(law.k[i] != branch.inputs[j] for j, i in enumerate(logical))
+        if wrong or not all(low[i] <= branch.inputs[j] <= high[i] for j, i in enumerate(logical)):
+            continue
+        n = len(branch.f)
+        allowed = branch.region.with_rows(np.hstack([np.zeros((box.m, n)), box.A]), box.b)
+        for piece in (piece for piece in last.pieces if piece.word == branch.next_word):
+            region = allowed & piece.region.preimage(np.hstack([branch.A, branch.B]), branch.f)
+            yield from ((branch, _from(region, begin), piece) for begin in _begins(first, branch))
+
+
+def _begins(first: HybridSet | None, branch: Branch) -> list[Polyhedron | None]:
+    return [None] if first is None else [piece.region for piece in first.pieces if piece.word == branch.word]
+
+
+def _from(region: Polyhedron, begin: Polyhedron | None) -> Polyhedron:
+    if begin is None:
+        return region
+    return region.with_rows(np.hstack([begin.A, np.zeros((begin.m, region.n - begin.n))]), begin.b)
+
+
+def _at_input(limits: Limited, dha: Dha, u: Vector) -> Limited:
+    """Inputs that are given, moved onto their ranges where rounding left them beside."""
+    given = {v.name: float(np.clip(value, v.low, v.high)) for v, value in zip(dha.u, u, strict=True)}
+    return replace(limits, inputs=given)
 
 
 def _is_lost(dha: Dha, state: Vector, states: HybridSet, limits: Limited, clock: Timer) -> bool:

@@ -7,12 +7,12 @@ from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from hysdel_py.analysis.encoding import OUTWARDS, Interval, ranges_by_definition
 from hysdel_py.analysis.hybrid_set import HybridSet, hybrid_set
 from hysdel_py.analysis.least_cost import Squares
-from hysdel_py.analysis.terminal_step import Limited
+from hysdel_py.analysis.terminal_step import LastLaw, Limited
 from hysdel_py.control.bands import Band
 from hysdel_py.control.construction import make_solver
 from hysdel_py.control.formulation import Formulation
@@ -28,7 +28,7 @@ if TYPE_CHECKING:
     from hysdel_py.optimize.milp import MilpSolver
     from hysdel_py.optimize.miqp import MiqpSettings, MiqpSolver
 
-__all__ = ["PlanPrograms", "PlanQuestion", "checked_controller", "plan_question"]
+__all__ = ["PlanPrograms", "PlanQuestion", "checked_controller", "checked_law", "plan_question"]
 
 Vector = NDArray[np.float64]
 Table = Mapping[str, Vector]
@@ -54,6 +54,8 @@ class PlanQuestion:
         Whether there are hard limits of the last state beside those of all states.
     obstacles : tuple of str
         Why a plan without its first step, with one more, need not be a plan.
+    law : LastLaw or None
+        The input of that step.
     """
 
     controller: HybridMpc
@@ -63,6 +65,7 @@ class PlanQuestion:
     ends: HybridSet
     has_end: bool
     obstacles: tuple[str, ...]
+    law: LastLaw | None = None
 
     @property
     def formulation(self) -> Formulation:
@@ -116,6 +119,31 @@ def checked_controller(controller: object, seconds: float) -> Model:
         raise ArgumentError(f"the controller was built from a {type(model).__name__}: one of a Model was expected")
     check_model(model, seconds)
     return model
+
+
+def checked_law(law: tuple[ArrayLike, ArrayLike], model: Model) -> LastLaw:
+    """A law of states as it is given.
+
+    Raises
+    ------
+    ArgumentError
+        Wrong shapes, what is no number, or gains of a Boolean input.
+    """
+    nu, nx = len(model.dha.u), len(model.dha.x)
+    try:
+        K, k = (np.array(part, dtype=float) for part in law)
+    except (TypeError, ValueError):
+        raise ArgumentError(f"last_law is {law!r}: a pair (K, k) of arrays was expected") from None
+    if K.shape != (nu, nx) or k.shape != (nu,) or not (np.isfinite(K).all() and np.isfinite(k).all()):
+        raise ArgumentError(
+            f"last_law: K has shape {K.shape} and k {k.shape}: finite arrays of ({nu}, {nx}) and ({nu},) were expected"
+        )
+    for v, gains, constant in zip(model.dha.u, K, k, strict=True):
+        if v.is_bool and (gains.any() or constant not in {0.0, 1.0}):
+            raise ArgumentError(f"last_law: {v.name} is Boolean: no gains, and 0 or 1, were expected")
+    if K[:, [v.is_bool for v in model.dha.x]].any():
+        raise ArgumentError("last_law: gains of real states only were expected")
+    return LastLaw(K, k)
 
 
 def plan_question(controller: HybridMpc, model: Model, table: Table) -> PlanQuestion:

@@ -3,33 +3,28 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import product
-from math import inf, isfinite, nan
+from math import nan
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from hysdel_py.analysis.certificate import PredictiveCertificate, Premise, Proof
 from hysdel_py.analysis.consistency import Clock
 from hysdel_py.analysis.counts import counted
 from hysdel_py.analysis.hybrid_set import HybridSet, Span, box_of
 from hysdel_py.analysis.invariance import feasible_states
-from hysdel_py.analysis.least_cost import Squares, least_value
-from hysdel_py.analysis.milp import Milp
 from hysdel_py.analysis.monitor import Monitor
-from hysdel_py.analysis.runs import start_runs
-from hysdel_py.analysis.settings import DEFAULT_SEARCH_TOLERANCES
 from hysdel_py.analysis.start_cover import Cover, at_thresholds, cover_of
-from hysdel_py.analysis.terminal_cost import greatest_addition
-from hysdel_py.analysis.terminal_step import demand_piece, kept_by_a_step
+from hysdel_py.analysis.terminal_step import kept_by_a_step
 from hysdel_py.control.hybrid_mpc import HybridMpc
 from hysdel_py.control.references import Reference
-from hysdel_py.control.weights import Norm
 from hysdel_py.errors import ArgumentError, HysdelError
 from hysdel_py.reports.condition import condition_of
-from hysdel_py.reports.plan_question import PlanPrograms, PlanQuestion, checked_controller, plan_question
+from hysdel_py.reports.plan_cost import fall_of
+from hysdel_py.reports.plan_question import PlanPrograms, PlanQuestion, checked_controller, checked_law, plan_question
 
 if TYPE_CHECKING:
     from hysdel_py.analysis.start_cover import Progress
@@ -63,6 +58,7 @@ def predictive_certificate(
     *,
     ref: Reference = None,
     target: Condition | None = None,
+    last_law: tuple[ArrayLike, ArrayLike] | None = None,
     boxes: int = 2000,
     parts: int = 4000,
     seconds: float = 600.0,
@@ -80,6 +76,10 @@ def predictive_certificate(
         Constant references.
     target : text, mapping, Polyhedron or HybridSet, optional
         Condition on states, which the closed loop is to meet.
+    last_law : (K, k), optional
+        The input ``u = K x + k`` of the step that is added where a plan ends, with K of shape (nu, nx); rows of Boolean
+        inputs have no gains. Without it any input will do that keeps the limits and leads back, and the dearest of
+        them counts where the cost depends on it.
     boxes : int
         Boxes of first states that are looked at, at most.
     parts : int
@@ -109,18 +109,20 @@ def predictive_certificate(
     """
     clock = Clock(seconds)
     question, box, wanted = _question(controller, start, ref, target, seconds)
+    if last_law is not None:
+        question = replace(question, law=checked_law(last_law, question.model))
     effort = _Effort(counted(boxes, 1, "boxes"), counted(parts, 1, "parts"), progress)
     limits = _limits(question)
     terminal = _terminal(question, clock)
     programs = PlanPrograms(question.formulation, question.table, controller.tolerances, controller.settings)
     cover = _covered(question, programs, box, clock, effort)
     following = _next_plan(question, programs, terminal, None if cover.without is not None else box, clock)
-    fall, decrease, floor = None, nan, 0.0
-    if wanted is not None:
-        fall, decrease, floor = _fall(question, wanted, cover, effort.parts, clock)
+    fall = None if wanted is None else fall_of(question, wanted, cover.cost, effort.parts, clock)
     return PredictiveCertificate(
-        question.model.name, controller.horizon, limits, terminal, following, _start_premise(question, cover), fall,
-        "" if wanted is None else wanted.text, decrease, cover.cost, floor, cover.parts, clock.elapsed,
+        question.model.name, controller.horizon, limits, terminal, following, _start_premise(question, cover),
+        None if fall is None else fall.premise, "" if wanted is None else wanted.text,
+        nan if fall is None else fall.decrease, cover.cost, 0.0 if fall is None else fall.floor, cover.parts,
+        clock.elapsed,
     )  # fmt: skip
 
 
@@ -164,7 +166,9 @@ def _terminal(question: PlanQuestion, clock: Clock) -> Premise:
     name = "one more step from where plans end"
     if question.ends.is_empty:
         return Premise(name, Proof.VIOLATED, "linear programs", "there is no state in which a plan could end")
-    kept = kept_by_a_step(question.model.pwa, question.model.dha, question.ends, question.limits, clock)
+    kept = kept_by_a_step(
+        question.model.pwa, question.model.dha, question.ends, question.limits, question.law, clock=clock
+    )
     by = f"states with such a step, computed backward in {kept.pieces} pieces, cover those in which plans end"
     if kept.holds:
         return Premise(name, Proof.PROVEN, by)
@@ -263,70 +267,3 @@ def _start_premise(question: PlanQuestion, cover: Cover) -> Premise:
             name, Proof.VIOLATED, "the program of the controller", "no plan", _named(question, cover.without)
         )
     return Premise(name, Proof.NOT_SETTLED, by, "a box around this state is left", _named(question, cover.open))
-
-
-# ---- the cost --------------------------------------------------------------------------------------------------------
-
-
-def _fall(
-    question: PlanQuestion, wanted: Monitor, cover: Cover, parts: int, clock: Clock
-) -> tuple[Premise, float, float]:
-    """Whether the cost falls outside of the target, by how much, and what every plan costs at least."""
-    name, unsettled = f"the cost falls outside of {wanted.text}", Proof.NOT_SETTLED
-    stage, terminal = question.stage, question.terminal
-    if question.formulation.norm is not Norm.SQUARES:
-        return Premise(name, unsettled, "", "bounds are known for costs of squares only"), nan, 0.0
-    if any(vector == "z" for vector, _ in stage.signals):
-        return Premise(name, unsettled, "", "weights of real auxiliaries have no bounds here"), nan, 0.0
-    least = _least_outside(question, wanted, stage, clock)
-    allowed = least if isfinite(least) else 0.0
-    try:
-        added = greatest_addition(
-            question.model.pwa, question.ends, question.limits, stage, terminal, allowed=allowed, parts=parts
-        )
-    except ArgumentError as error:
-        return Premise(name, unsettled, "", str(error)), nan, 0.0
-    floor = _least_end(question, terminal, clock)
-    gap = max(question.controller.settings.gap_abs, question.controller.settings.gap_rel * cover.cost)
-    by = (
-        f"a step outside costs {least:.6g} at least, one more step at the end adds {_shown(added.bound)} at most "
-        f"({added.regions} regions), plans are optimal within {gap:.3g}"
-    )
-    if added.bound is None:
-        return Premise(name, unsettled, by, "what one more step adds is not bounded within the parts"), nan, floor
-    decrease = least - added.bound - gap
-    if decrease > 0:
-        return Premise(name, Proof.PROVEN, f"{by}: it falls by {decrease:.6g}"), decrease, floor
-    reals = [v.name for v in question.model.dha.x if not v.is_bool]
-    state = None if added.state is None else dict(zip(reals, map(float, added.state), strict=False))
-    message = "a step at the end may add more than the first one takes away"
-    return Premise(name, unsettled, by, message, state), nan, floor
-
-
-def _shown(bound: float | None) -> str:
-    return "(unknown)" if bound is None else f"{bound:.6g}"
-
-
-def _least_outside(question: PlanQuestion, wanted: Monitor, stage: Squares, clock: Clock) -> float:
-    """What a step costs at least that starts outside of the target."""
-    runs = start_runs(question.model.dha, {}, question.limits.inputs, (0.0, DEFAULT_SEARCH_TOLERANCES.apart))
-    runs.grow()
-    outside = runs.watch(wanted, 0)
-    problem = runs.problem.copy()
-    problem.fix(outside.result, 0.0)
-    step = runs.steps[0]
-    places = {"y": step.outputs, "u": runs.inputs[0], "d": step.values, "x": runs.states[1]}
-    return least_value(problem, [(stage, [places[w][name] for w, name in stage.signals])], clock).bound
-
-
-def _least_end(question: PlanQuestion, terminal: Squares, clock: Clock) -> float:
-    """What the last state of a plan costs at least."""
-    least = inf
-    for piece in question.ends.pieces:
-        problem = Milp()
-        dha = question.model.dha
-        places = {v.name: problem.boolean() if v.is_bool else problem.real(v.low, v.high) for v in dha.x}
-        demand_piece(problem, places, piece, dha)
-        sums = [(terminal, [places[name] for _, name in terminal.signals])]
-        least = min(least, least_value(problem, sums, clock).bound)
-    return least if isfinite(least) else 0.0

@@ -142,6 +142,28 @@ def test_limits_over_the_horizon_are_not_certified():
     assert "change over the horizon" in hys.predictive_certificate(mpc, {"v": 0.0}).next_plan.message
 
 
+def test_a_law_for_the_last_step_bounds_what_it_adds():
+    """With the weight 3 of the last state and u = -1.4 v there, V falls: v^2 + 3 (0.1 v)^2 - 3 v^2 < 0."""
+    limits = hys.Limits(x={"v": (-3, 3)}, terminal={"v": (-0.7, 0.7)})
+    cost = hys.Cost(y={"seen": 1.0}, terminal={"v": 3.0})
+    mpc = hys.HybridMpc(hys.load(UNSTABLE), 4, cost, limits, gap_abs=1e-4, gap_rel=0.0)
+    target = "v >= -0.3 & v <= 0.3"
+    free = hys.predictive_certificate(mpc, {"v": (-1, 1)}, target=target)
+    assert free.fall.verdict == "not settled"  # the worst input at the end may undo everything
+    led = hys.predictive_certificate(mpc, {"v": (-1, 1)}, target=target, last_law=([[-1.4]], [0.0]))
+    assert led.verdict == "proven"
+    assert led.decrease == pytest.approx(0.09 - 1e-4, abs=0.02)
+    for v in np.linspace(-1, 1, 9):
+        run = hys.closed_loop(hys.load(UNSTABLE), mpc, [v], 10)
+        assert np.argmax(np.abs(run["v"]) <= 0.3) <= led.steps
+
+
+@pytest.mark.parametrize(("law", "verdict"), [(([[-1.4]], [0.0]), "proven"), (([[-0.4]], [0.0]), "violated")])
+def test_a_law_has_to_lead_back(law, verdict):
+    found = hys.predictive_certificate(unstable_controller((-0.7, 0.7)), {"v": 0.0}, last_law=law)
+    assert found.terminal.verdict == verdict
+
+
 # ---- Booleans, softened limits, absolute values ----------------------------------------------------------------------
 
 
@@ -199,7 +221,7 @@ def test_no_random_step_at_the_end_adds_more_than_the_bound():
     model = mpc.model
     question = plan_question(mpc, model, mpc.references.table({"T": 16, "heater": 0}))
     added = greatest_addition(
-        model.pwa, question.ends, question.limits, question.stage, question.terminal, allowed=1.0, parts=1000
+        model.pwa, question.ends, question.limits, (question.stage, question.terminal), allowed=1.0, parts=1000
     )
     rng, worst = np.random.default_rng(0), -np.inf
     for _ in range(4000):
@@ -253,6 +275,8 @@ def test_softened_plans_keep_declared_ranges_only():
         ({"seconds": -1}, "seconds is -1"),
         ({"ref": {"w": 0}}, "reference w"),
         ({"controller": "mpc"}, "a HybridMpc was expected"),
+        ({"last_law": ([[1.0, 2.0]], [0.0])}, "last_law: K has shape"),
+        ({"last_law": 3}, "last_law is 3"),
     ],
 )
 def test_wrong_arguments_are_told(change, said):
