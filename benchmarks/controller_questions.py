@@ -49,7 +49,7 @@ QUERIES = """
     }
 """
 COUNT = 100_000
-"""Random runs of two steps, at least."""
+"""Random runs of two steps, and steps along any plans, at least."""
 START = (
     "we >= 95 & we <= 110 & gamma >= 0.2 & gamma <= 1 & Te >= 15 & Te <= 25 & Fn >= 30 & Fn <= 45 & lc <= 0 & lc >= 0"
 )
@@ -220,7 +220,7 @@ def tanks_controller(model: hys.Model, gap: float = 1e-2) -> hys.HybridMpc:
 
 
 def of_tank_loops(runs: int) -> Iterator[str]:
-    """Best plans from random starts, and any plans at all: whatever is weighed, there is always another."""
+    """Best plans from random starts."""
     model = hys.load("two_tanks")
     draw_, mpc, steps, latest, least = np.random.default_rng(0), tanks_controller(model), 0, 0, np.inf
     begin = time.process_time()
@@ -234,22 +234,41 @@ def of_tank_loops(runs: int) -> Iterator[str]:
         latest, steps = max(latest, int(np.argmax((run["h2"] >= 0.25) & (run["h2"] <= 0.35)))), steps + run.steps
     yield f"tanks, best plans: {steps} steps from {runs} starts, a plan at each; in the target after {latest} at most;"
     yield f"  the cost falls by {least:.3f} at least along a step outside; {time.process_time() - begin:.0f} cpu s"
-    yield from of_any_plans(model, tanks_controller(model, gap=1e9), runs)
 
 
-def of_any_plans(model: hys.Model, mpc: hys.HybridMpc, runs: int) -> Iterator[str]:
+def of_any_tank_plans(count: int) -> Iterator[str]:
     """The first plan that is found, for another reference at each step."""
-    draw_, steps, begin = np.random.default_rng(1), 0, time.process_time()
-    for _ in range(10 * runs):
+    model, draw_, steps, begin = hys.load("two_tanks"), np.random.default_rng(1), 0, time.process_time()
+    mpc = tanks_controller(model, gap=1e9)
+    while steps < count:
         x = np.array([draw_.uniform(*TANKS["h1"]), draw_.uniform(*TANKS["h2"])])
         for _ in range(30):
-            move = mpc.solve(x, {"level2": float(draw_.uniform(0.0, 0.6))}, warm=False)
-            assert move.u is not None, f"no plan at {x}: {move.message}"
-            x, steps = model.dha.step(x, move.u, check=False)[0], steps + 1
+            x, steps = after_any_plan(model, mpc, x, {"level2": float(draw_.uniform(0.0, 0.6))}), steps + 1
             assert 0.0 - 1e-6 <= x[0] <= 0.55 + 1e-6
             assert 0.05 - 1e-6 <= x[1] <= 0.5 + 1e-6
-    seconds = time.process_time() - begin
-    yield f"tanks, any plans: {steps} steps from {10 * runs} starts, a plan at each; {seconds:.0f} cpu s"
+    yield f"tanks, any plans: {steps} steps, a plan at each; {time.process_time() - begin:.0f} cpu s"
+
+
+def after_any_plan(model: hys.Model, mpc: hys.HybridMpc, x: Array, ref: Mapping[str, float]) -> Array:
+    """The next state under a plan, which has to exist."""
+    move = mpc.solve(x, ref, warm=False)
+    assert move.u is not None, f"no plan at {x.tolist()}: {move.message}"
+    return model.dha.step(x, move.u, check=False)[0]
+
+
+def of_any_clutch_plans(count: int) -> Iterator[str]:
+    """The same of the certified controller of the clutch, whether the clutch sticks meanwhile or not."""
+    model, draw_, begin = clutch_model(), np.random.default_rng(4), time.process_time()
+    mpc, steps, lowest = certified_clutch_controller(model, gap=1e12), 0, np.inf
+    while steps < count:
+        x = np.array([float(draw_.uniform(*np.broadcast_to(span, 2))) for span in CERTIFIED_START.values()])
+        for _ in range(100):
+            ref = {"y1": draw_.uniform(40, 150), "y2": 0.0, "y3": 0.0, "gamma": draw_.uniform(-50, 50)}
+            x, steps = after_any_plan(model, mpc, x, ref | {"stick": float(draw_.integers(2))}), steps + 1
+            lowest = min(lowest, float(x[0]))
+    assert lowest >= LEAST_ENGINE_SPEED - 1e-6
+    yield f"clutch, any plans: {steps} steps, a plan at each, least engine speed {lowest:.6f} rad/s;"
+    yield f"  {time.process_time() - begin:.0f} cpu s"
 
 
 def of_clutch_loops(runs: int) -> Iterator[str]:
@@ -296,7 +315,9 @@ def parts(runs: int, *, quick: bool) -> Iterator[Iterator[str]]:
     yield of_certificates()
     if not quick:
         yield of_clutch_loops(runs)
+        yield of_any_clutch_plans(COUNT // 4)
         yield of_tank_loops(runs)
+        yield of_any_tank_plans(COUNT)
         yield of_shift_loops()
         yield of_predictive_controller(runs)
 

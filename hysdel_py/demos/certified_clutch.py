@@ -47,8 +47,12 @@ _LEAD = 0.5  # Nm that it may be ahead
 _CALM = 3.0  # rad/s, change of relative speed in the last step
 
 
-def certified_clutch_controller(model: Model, node_limit: int | None = None) -> HybridMpc:
-    """The controller; `model` is the shipped clutch, whose engine speeds reach below the limit."""
+def certified_clutch_controller(model: Model, gap: float = _GAP) -> HybridMpc:
+    """The controller; `model` is the shipped clutch, whose engine speeds reach below the limit.
+
+    With a large `gap` its plans are the first that are found: that there is one, and what it keeps, is proven of them
+    as well.
+    """
     return HybridMpc(
         model,
         _HORIZON,
@@ -58,8 +62,7 @@ def certified_clutch_controller(model: Model, node_limit: int | None = None) -> 
             terminal=clutch_terminal_set(model),
         ),
         references=tuple(CERTIFIED_REFERENCE),
-        node_limit=node_limit,
-        gap_abs=_GAP,
+        gap_abs=gap,
         gap_rel=0.0,
     )
 
