@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hysdel_py.analysis.encoding import Places
-from hysdel_py.analysis.hybrid_set import HybridSet, Piece, Span, box_of, whole_state
+from hysdel_py.analysis.hybrid_set import HybridSet, Piece, Span, box_of, hybrid_set, whole_state
 from hysdel_py.analysis.milp import Milp, Status
 from hysdel_py.analysis.output_limits import with_output_limits
 from hysdel_py.analysis.pwa_branches import Branch, branches_of
@@ -30,7 +30,9 @@ from hysdel_py.systems.origin import Origin
 from hysdel_py.systems.pwa import Pwa
 from hysdel_py.systems.signals import Variable
 
-__all__ = ["Kept", "LastLaw", "Limited", "demand_piece", "kept_by_a_step", "limited_dha", "steps_between"]
+__all__ = [
+    "Kept", "LastLaw", "Limited", "cut_by_rows", "demand_piece", "kept_by_a_step", "limited_dha", "steps_between",
+]  # fmt: skip
 
 Vector = NDArray[np.float64]
 Matrix = NDArray[np.float64]
@@ -93,6 +95,12 @@ class Kept:
     state: Vector | None
     is_confirmed: bool
     pieces: int
+
+
+def cut_by_rows(states: HybridSet, A: Matrix, b: Vector) -> HybridSet:
+    """The states of a set with ``A x <= b``, in which Boolean states are 0 or 1."""
+    cut = states & hybrid_set(Polyhedron(A, b), states.x, "terminal")
+    return HybridSet(cut.x, tuple(replace(piece, region=piece.region.minimal()) for piece in cut.pieces))
 
 
 def kept_by_a_step(

@@ -3,8 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass, field, replace
-from typing import TYPE_CHECKING
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -12,28 +11,19 @@ from numpy.typing import ArrayLike, NDArray
 from hysdel_py.analysis.encoding import OUTWARDS, Interval, ranges_by_definition
 from hysdel_py.analysis.hybrid_set import HybridSet, hybrid_set
 from hysdel_py.analysis.least_cost import Squares
-from hysdel_py.analysis.terminal_step import LastLaw, Limited
+from hysdel_py.analysis.terminal_step import LastLaw, Limited, cut_by_rows
 from hysdel_py.control.bands import Band
-from hysdel_py.control.construction import make_solver
 from hysdel_py.control.formulation import Formulation
 from hysdel_py.control.hybrid_mpc import HybridMpc
-from hysdel_py.control.settings import ControlTolerances
 from hysdel_py.errors import ArgumentError
-from hysdel_py.geometry.polyhedron import Polyhedron
 from hysdel_py.model import Model
 from hysdel_py.reports.safety import check_model
 from hysdel_py.systems.dha import Dha
 
-if TYPE_CHECKING:
-    from hysdel_py.optimize.milp import MilpSolver
-    from hysdel_py.optimize.miqp import MiqpSettings, MiqpSolver
-
-__all__ = ["PlanPrograms", "PlanQuestion", "checked_controller", "checked_law", "plan_question"]
+__all__ = ["PlanQuestion", "checked_controller", "checked_law", "plan_question"]
 
 Vector = NDArray[np.float64]
 Table = Mapping[str, Vector]
-
-_GAP, _NODES = 1e-2, 5000  # the word of a plan need not be the best one
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -155,9 +145,7 @@ def plan_question(controller: HybridMpc, model: Model, table: Table) -> PlanQues
     rows = list(_end_rows(controller, hard))
     ends = within
     if rows:
-        polyhedron = Polyhedron(np.array([row for row, _ in rows]), np.array([side for _, side in rows]))
-        ends = within & hybrid_set(polyhedron, model.dha.x, "terminal")
-        ends = HybridSet(ends.x, tuple(replace(piece, region=piece.region.minimal()) for piece in ends.pieces))
+        ends = cut_by_rows(within, np.array([row for row, _ in rows]), np.array([side for _, side in rows]))
     return PlanQuestion(controller, model, table, limits, ends, bool(rows), tuple(_obstacles(controller, model, table)))
 
 
@@ -201,52 +189,3 @@ def _narrow_auxiliaries(dha: Dha) -> tuple[str, ...]:
 def _is_narrower(declared: Interval, follows: Interval) -> bool:
     room = OUTWARDS * max(1.0, *(abs(end) for end in follows))
     return declared[0] > follows[0] + room or declared[1] < follows[1] - room
-
-
-@dataclass(eq=False, slots=True)
-class PlanPrograms:
-    """The programs of a controller, one for each state; see :class:`hysdel_py.analysis.start_cover.Programs`."""
-
-    formulation: Formulation
-    table: Table
-    tolerances: ControlTolerances
-    settings: MiqpSettings
-    _solver: MiqpSolver | MilpSolver = field(init=False)
-
-    def __post_init__(self) -> None:
-        self._solver = make_solver(self.formulation, replace(self.settings, gap_rel=_GAP, node_limit=_NODES))
-
-    def word(self, x: Vector) -> Vector | None:
-        """Booleans of a plan; None where it is proven that there is none."""
-        plan = self.plan(x)
-        return None if plan is None else np.round(plan[self.formulation.binaries])
-
-    def first_input(self, x: Vector) -> Vector | None:
-        """First input of a plan; None where it is proven that there is none."""
-        plan, begin = self.plan(x), self.formulation.layout.start("u", 0)
-        return None if plan is None else plan[begin : begin + self.formulation.layout.mld.nu]
-
-    def plan(self, x: Vector) -> Vector | None:
-        """A plan, which need not be the best one; None where it is proven that there is none."""
-        from hysdel_py.optimize.miqp import MiqpStatus
-
-        if self.formulation.failed_conditions(x, self.tolerances.measured):
-            return None
-        result = self._solver.solve(**self.formulation.vectors(x, self.table).as_keywords(), floor=0.0)
-        if result.x is not None:
-            return np.asarray(result.x)
-        if result.status is MiqpStatus.INFEASIBLE:
-            return None
-        raise TimeoutError(result.message)
-
-    def cost(self, x: Vector, word: Vector) -> float:
-        """What the best plan with these Booleans costs, infinite where none is found."""
-        vectors = self.formulation.vectors(x, self.table)
-        lb, ub = vectors.lb.copy(), vectors.ub.copy()
-        lb[self.formulation.binaries] = ub[self.formulation.binaries] = word
-        if self.formulation.failed_conditions(x, self.tolerances.measured):
-            return np.inf
-        result = self._solver.solve(**(vectors.as_keywords() | {"lb": lb, "ub": ub}), floor=0.0)
-        if result.x is None or self.formulation.residual(result.x, vectors) > self.tolerances.residual:
-            return np.inf
-        return float(result.objective)

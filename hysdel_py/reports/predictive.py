@@ -20,11 +20,12 @@ from hysdel_py.analysis.monitor import Monitor
 from hysdel_py.analysis.start_cover import Cover, at_thresholds, cover_of
 from hysdel_py.analysis.terminal_step import kept_by_a_step
 from hysdel_py.control.hybrid_mpc import HybridMpc
+from hysdel_py.control.plan_programs import PlanPrograms
 from hysdel_py.control.references import Reference
 from hysdel_py.errors import ArgumentError, HysdelError
 from hysdel_py.reports.condition import condition_of
 from hysdel_py.reports.plan_cost import fall_of
-from hysdel_py.reports.plan_question import PlanPrograms, PlanQuestion, checked_controller, checked_law, plan_question
+from hysdel_py.reports.plan_question import PlanQuestion, checked_controller, checked_law, plan_question
 
 if TYPE_CHECKING:
     from hysdel_py.analysis.start_cover import Progress
