@@ -43,7 +43,7 @@ class AddedCost:
     Attributes
     ----------
     bound : float or None
-        No step adds more; None where that was not found within the parts.
+        No step adds more; None where that was not found within the parts, or where there is no step.
     seen : float
         The greatest that was seen; minus infinity where there is no step.
     state : array of shape (n,) or None
@@ -92,6 +92,8 @@ def greatest_addition(
     """
     pieces = list(_pieces(with_output_limits(pwa, limits.outputs), ends, limits, costs, law))
     seen, state = _seen(pieces)
+    if seen == -np.inf:
+        return AddedCost(None, seen, None, len(pieces))
     bound = seen + _MARGIN * max(1.0, abs(allowed))
     for _ in range(_ROUNDS):
         higher = None

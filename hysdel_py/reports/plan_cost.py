@@ -65,9 +65,14 @@ def fall_of(question: PlanQuestion, wanted: Monitor, greatest: float, parts: int
         )  # fmt: skip
     except ArgumentError as error:
         return Fall(Premise(name, Proof.NOT_SETTLED, "", str(error)))
+    return _judged(question, name, (least, added, _gap(question, greatest)), _least_end(question, costs[1], clock))
+
+
+def _gap(question: PlanQuestion, greatest: float) -> float:
+    """By how much a plan that counts as optimal may be dearer than the best; the gap is relative to its own cost."""
     settings = question.controller.settings
-    gap = max(settings.gap_abs, settings.gap_rel * greatest)
-    return _judged(question, name, (least, added, gap), _least_end(question, question.terminal, clock))
+    dearest = greatest / (1.0 - settings.gap_rel) if settings.gap_rel < 1.0 else inf
+    return max(settings.gap_abs, settings.gap_rel * dearest if settings.gap_rel else 0.0)
 
 
 def _not_bounded(question: PlanQuestion, stage: Squares) -> str:

@@ -89,6 +89,11 @@ class PlanQuestion:
         resolved = self.formulation.limits
         return tuple(b for b in resolved.bands if b.group in {"x", "y"} and resolved.slack_of(b) is None)
 
+    def left_out(self) -> tuple[str, ...]:
+        """Outputs whose limits no plan holds at the next state: no input moves them at once, and there is one step."""
+        one = self.controller.horizon == 1
+        return tuple(b.name for b in self.formulation.unmovable if one and b in self.hard_bands())
+
     def softened(self) -> tuple[str, ...]:
         """Names of the limits that a plan may exceed at a price."""
         return self.formulation.limits.slacks

@@ -74,7 +74,7 @@ def plans_never(
     question = plan_question(controller, model, {})
     monitor = condition_of(condition, model, "condition")
     name = f"no plan meets '{monitor.text}' after its first step"
-    limits = Limited({}, question.limits.inputs, {}) if softened else question.limits
+    limits = Limited({}, question.limits.inputs, {}) if softened else _held(question)
     clock, found, steps = Clock(seconds), Found(Verdict.NONE), 0
     for steps in _lengths(controller, monitor):
         found = _searched(question, monitor, limits, steps, clock)
@@ -87,6 +87,12 @@ def plans_never(
         return Premise(name, Proof.NOT_SETTLED, by, found.message)
     state = {v.name: float(value) for v, value in zip(model.dha.x, found.run.x[0], strict=True)}
     return Premise(name, Proof.VIOLATED, by, f"the step to {found.run.x[1].round(6).tolist()} leads there", state)
+
+
+def _held(question: PlanQuestion) -> Limited:
+    """Limits that hold at every state of a closed loop but the first one."""
+    own, left_out = question.limits, question.left_out()
+    return Limited(own.states, own.inputs, {name: span for name, span in own.outputs.items() if name not in left_out})
 
 
 def _lengths(controller: HybridMpc, monitor: Monitor) -> tuple[int, ...]:

@@ -38,7 +38,7 @@ __all__ = ["predictive_certificate"]
 
 Vector = NDArray[np.float64]
 
-MOST_REALS = 3
+MOST_REALS = 2
 """Feasible sets of whole horizons are computed for models with so many real states."""
 TRIED_STEPS = 60
 """Runs along plans that may refute a premise go on for so long."""
@@ -155,9 +155,12 @@ def _limits(question: PlanQuestion) -> Premise:
     hard = ", ".join(f"{b.group} {b.name} in {b.text()}" for b in question.hard_bands()) or "declared ranges only"
     soft = question.softened()
     message = f"softened and not kept for sure: {', '.join(soft)}" if soft else ""
-    return Premise(
-        "limits hold at the next state", Proof.PROVEN, f"rows of the plan for its second step: {hard}", message
-    )
+    name, by = "limits hold at the next state", f"rows of the plan for its second step: {hard}"
+    left_out = question.left_out()
+    if left_out:
+        said = f"a plan of one step says nothing of {', '.join(left_out)} after it"
+        return Premise(name, Proof.NOT_SETTLED, by, said)
+    return Premise(name, Proof.PROVEN, by, message)
 
 
 # ---- one more step ---------------------------------------------------------------------------------------------------
@@ -186,7 +189,7 @@ def _next_plan(
     if terminal.holds and not question.obstacles:
         return Premise(name, Proof.PROVEN, "the plan without its first step, and one more step")
     if not question.obstacles and not question.has_end and _is_small(question):
-        found = _by_sets(question, name)
+        found = _by_sets(question, name, clock)
         if found.holds:
             return found
     lost = None if box is None else _refuted(programs, question.model.dha, box, clock)
@@ -201,17 +204,25 @@ def _is_small(question: PlanQuestion) -> bool:
     return sum(not v.is_bool for v in question.model.dha.x) <= MOST_REALS
 
 
-def _by_sets(question: PlanQuestion, name: str) -> Premise:
+def _by_sets(question: PlanQuestion, name: str, clock: Clock) -> Premise:
     """Whether states that can go on for N - 1 steps can do so for N."""
     N, limits, pwa = question.controller.horizon, question.limits, question.model.pwa
 
+    def in_time(_step: int, _pieces: int) -> None:
+        if not clock.left:
+            raise TimeoutError
+
     def feasible(steps: int) -> HybridSet:
         return feasible_states(
-            pwa, steps, within=question.ends, terminal=question.ends, inputs=limits.inputs, outputs=limits.outputs
-        )
+            pwa, steps, within=question.ends, terminal=question.ends, inputs=limits.inputs, outputs=limits.outputs,
+            progress=in_time,
+        )  # fmt: skip
 
     by = f"feasible sets of {N - 1} and {N} steps are the same"
-    holds = feasible(N).covers(feasible(N - 1) & question.ends)
+    try:
+        holds = feasible(N).covers(feasible(N - 1) & question.ends)
+    except TimeoutError:
+        holds = False
     return Premise(name, Proof.PROVEN if holds else Proof.NOT_SETTLED, by)
 
 

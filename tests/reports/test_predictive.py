@@ -254,6 +254,25 @@ def test_longer_plans_rule_out_more():
     assert hys.plans_never(unstable_controller(None, horizon=3), "v >= 2.5").verdict == "proven"
 
 
+def test_plans_of_one_step_do_not_hold_outputs():
+    """The output at the next state is in no row: nothing is claimed of it."""
+    mpc = hys.HybridMpc(hys.load(UNSTABLE), 1, hys.Cost(y={"seen": 1}), hys.Limits(y={"seen": (-2, 2)}))
+    assert hys.plans_never(mpc, "v >= 2.5").verdict == "violated"
+    found = hys.predictive_certificate(mpc, {"v": 0.0})
+    assert found.limits.verdict == "not settled"
+    assert "seen" in found.limits.message
+    two = hys.HybridMpc(hys.load(UNSTABLE), 2, hys.Cost(y={"seen": 1}), hys.Limits(y={"seen": (-2, 2)}))
+    assert hys.plans_never(two, "v >= 2.5").verdict == "proven"
+
+
+def test_an_end_in_which_no_plan_ends_is_no_proof():
+    """The rows of the end contradict the limits: nothing falls."""
+    limits = hys.Limits(x={"v": (-3, 3)}, terminal=([[1.0]], [-4.0]))
+    mpc = hys.HybridMpc(hys.load(UNSTABLE), 2, hys.Cost(y={"seen": 1}), limits)
+    found = hys.predictive_certificate(mpc, {"v": 0.0}, target="v >= -1 & v <= 1")
+    assert (found.terminal.verdict, found.start.verdict, found.fall.verdict) == ("violated", "violated", "not settled")
+
+
 def test_softened_plans_keep_declared_ranges_only():
     mpc = unstable_controller(None)
     assert hys.plans_never(mpc, "v >= 3.01", softened=True).verdict == "violated"
