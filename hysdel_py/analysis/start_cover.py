@@ -8,7 +8,7 @@ was tried.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from itertools import product
 from math import inf
@@ -17,7 +17,8 @@ from typing import Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from hysdel_py.systems.dha import Dha, Event
+from hysdel_py.systems.dha import Dha
+from hysdel_py.systems.thresholds import state_thresholds
 
 __all__ = ["Cover", "Programs", "Timer", "at_thresholds", "cover_of"]
 
@@ -157,19 +158,10 @@ def _halves(low: Vector, high: Vector, widest: Vector) -> list[Box]:
 def at_thresholds(box: Box, dha: Dha) -> list[Box]:
     """A box cut where a single state is compared with a number, without the gap that epsilon leaves there."""
     parts = [box]
-    for i, low, high in _comparisons(dha):
-        parts = [part for whole in parts for part in _cut(whole, i, low, high)]
+    for threshold in state_thresholds(dha):
+        gap = sorted((threshold.true_end, threshold.false_end))
+        parts = [part for whole in parts for part in _cut(whole, threshold.column, *gap)]
     return parts
-
-
-def _comparisons(dha: Dha) -> Iterator[tuple[int, float, float]]:
-    """Real states with the ends of the gap of a threshold."""
-    reals = {v.name: i for i, v in enumerate(dha.x) if not v.is_bool}
-    for item in dha.items:
-        if isinstance(item, Event) and len(item.form.terms) == 1 and item.form.terms[0][0] in reals:
-            ((name, c),) = item.form.terms
-            ends = (-item.form.constant / c, (item.epsilon - item.form.constant) / c)
-            yield reals[name], min(ends), max(ends)
 
 
 def _cut(box: Box, i: int, low: float, high: float) -> list[Box]:
