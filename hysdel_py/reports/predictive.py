@@ -26,6 +26,7 @@ from hysdel_py.errors import ArgumentError, HysdelError
 from hysdel_py.reports.condition import condition_of
 from hysdel_py.reports.plan_cost import fall_of
 from hysdel_py.reports.plan_question import PlanQuestion, checked_controller, checked_law, plan_question
+from hysdel_py.systems.thresholds import out_of_gaps, state_thresholds
 
 if TYPE_CHECKING:
     from hysdel_py.analysis.start_cover import Progress
@@ -228,7 +229,7 @@ def _by_sets(question: PlanQuestion, name: str, clock: Clock) -> Premise:
 
 def _refuted(programs: PlanPrograms, dha: Dha, box: tuple[Vector, Vector], clock: Clock) -> Vector | None:
     """A state to which plans lead from a corner of the first states and which has no plan."""
-    for corner in product(*({a, b} for a, b in zip(*box, strict=True))):
+    for corner in product(*(sorted({a, b}) for a, b in zip(*box, strict=True))):
         x: Vector = np.array(corner)
         for k in range(TRIED_STEPS if clock.left else 0):
             try:
@@ -238,14 +239,15 @@ def _refuted(programs: PlanPrograms, dha: Dha, box: tuple[Vector, Vector], clock
                 break
             if u is None:
                 return x if k else None
-            x = _on_range(after, dha)
+            x = _as_measured(after, dha, programs.tolerances.measured)
     return None
 
 
-def _on_range(x: Vector, dha: Dha) -> Vector:
-    """What rounding left beside a range, moved onto it."""
+def _as_measured(x: Vector, dha: Dha, most: float) -> Vector:
+    """What rounding left beside a range or in the gap of a threshold, moved as the controller moves it."""
     low, high = (np.array([getattr(v, end) for v in dha.x]) for end in ("low", "high"))
-    return np.asarray(np.clip(x, low, high))
+    near = np.where(np.abs(np.clip(x, low, high) - x) <= most, np.clip(x, low, high), x)
+    return out_of_gaps(near, state_thresholds(dha), most)
 
 
 # ---- first states ----------------------------------------------------------------------------------------------------
@@ -262,7 +264,7 @@ def _covered(
 def _words(box: tuple[Vector, Vector], logical: list[int]) -> list[tuple[Vector, Vector]]:
     """The box with each value of its Boolean states."""
     found = []
-    for values in product(*({box[0][i], box[1][i]} for i in logical)):
+    for values in product(*(sorted({box[0][i], box[1][i]}) for i in logical)):
         low, high = box[0].copy(), box[1].copy()
         low[logical] = high[logical] = values
         found.append((low, high))
