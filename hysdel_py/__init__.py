@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 from hysdel_py.version import __version__
 
 if TYPE_CHECKING:
+    from hysdel_py.analysis.certificate import PredictiveCertificate, Premise
     from hysdel_py.analysis.closed_form import closed_loop_pwa
     from hysdel_py.analysis.cycles import Cycles, limit_cycles
     from hysdel_py.analysis.diff import diff
@@ -92,6 +93,8 @@ if TYPE_CHECKING:
     from hysdel_py.reports.observability import observability
     from hysdel_py.reports.observability_answer import Observability
     from hysdel_py.reports.page import html_report
+    from hysdel_py.reports.plan_steps import plans_never
+    from hysdel_py.reports.predictive import predictive_certificate
     from hysdel_py.reports.queries import QueryAnswer, answer_queries
     from hysdel_py.reports.safety import can_reach, must_reach
     from hysdel_py.reports.safety_answer import SafetyAnswer
@@ -173,6 +176,8 @@ __all__ = [
     "PlanetaryGear",
     "PolyhedralUnion",
     "Polyhedron",
+    "PredictiveCertificate",
+    "Premise",
     "Pwa",
     "QueryAnswer",
     "Reach",
@@ -211,7 +216,9 @@ __all__ = [
     "minkowski_sum",
     "must_reach",
     "observability",
+    "plans_never",
     "pontryagin_difference",
+    "predictive_certificate",
     "reach",
     "reach_backward",
     "read_case",
@@ -305,6 +312,8 @@ _HOME = {
     "PlanetaryGear": "drivetrain.components",
     "PolyhedralUnion": "geometry.union",
     "Polyhedron": "geometry.polyhedron",
+    "PredictiveCertificate": "analysis.certificate",
+    "Premise": "analysis.certificate",
     "Pwa": "systems.pwa",
     "QueryAnswer": "reports.queries",
     "Reach": "analysis.reach",
@@ -342,7 +351,9 @@ _HOME = {
     "minkowski_sum": "geometry.relations",
     "must_reach": "reports.safety",
     "observability": "reports.observability",
+    "plans_never": "reports.plan_steps",
     "pontryagin_difference": "geometry.relations",
+    "predictive_certificate": "reports.predictive",
     "reach": "analysis.reach",
     "reach_backward": "analysis.reach",
     "read_case": "optimize.case_file",

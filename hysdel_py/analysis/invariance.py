@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from sys import maxsize
 from typing import TYPE_CHECKING
 
 from hysdel_py.analysis.counts import counted
@@ -91,7 +92,7 @@ def invariant_set(
     allowed = hybrid_set({}, pwa.x, "within")
     states = allowed if within is None else hybrid_set(within, pwa.x, "within") & allowed
     for k in range(1, rounds + 1):
-        before = reach_backward(pwa, states, 1, inputs=inputs, executor=executor).sets[1]
+        before = reach_backward(pwa, states, 1, inputs=inputs, most=maxsize, executor=executor).sets[1]
         kept = tidied(states & before)
         if kept.covers(states):
             return Invariant(states, is_invariant=True, rounds=k)
@@ -132,7 +133,7 @@ def feasible_states(
     states = allowed if terminal is None else tidied(allowed & hybrid_set(terminal, pwa.x, "terminal"))
     steps = counted(steps, 0, "steps")
     for k in range(1, steps + 1):
-        states = reach_backward(pwa, states, 1, inputs=inputs).sets[1]
+        states = reach_backward(pwa, states, 1, inputs=inputs, most=maxsize).sets[1]
         if k < steps:
             states = tidied(states & allowed)
         if progress is not None:

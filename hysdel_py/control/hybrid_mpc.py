@@ -32,12 +32,13 @@ from hysdel_py.control.settled import allowing_for_rounding
 from hysdel_py.control.shape import choose_shape
 from hysdel_py.errors import ArgumentError
 from hysdel_py.systems.signals import as_vector
+from hysdel_py.systems.thresholds import out_of_gaps, state_thresholds
 
 if TYPE_CHECKING:
     from pathlib import Path
 
     from hysdel_py.control.explanation import PlanExplanation
-    from hysdel_py.optimize.miqp import Miqp
+    from hysdel_py.optimize.miqp import Miqp, MiqpSettings
 
 __all__ = ["HybridMpc", "Move", "MoveStatus"]
 
@@ -149,6 +150,8 @@ class HybridMpc:
             return Planner(formulation, settings, step, tolerances, progress=callback)
 
         self.limits = limits
+        dha = getattr(model, "dha", None)
+        self._thresholds = () if dha is None else state_thresholds(dha)
         self._planner = planner(self.formulation)
         self._fallback = check_fallback(fallback, limits)
         self._reserve: Reserve | None = None
@@ -165,6 +168,11 @@ class HybridMpc:
     def uses_last_input(self) -> bool:
         """Whether increments of the inputs are weighed or limited, so that :meth:`solve` needs the last input."""
         return self.formulation.uses_last_input
+
+    @property
+    def settings(self) -> MiqpSettings:
+        """Settings of the search, among them the gap up to which a plan counts as optimal."""
+        return self._planner.solver.settings
 
     def reset(self) -> None:
         """Forget the last plan."""
@@ -212,7 +220,8 @@ class HybridMpc:
             signals that the controller does not limit.
         """
         begin = time.perf_counter()
-        measured, table = as_vector(x, self.mld.x, "state"), self.references.table(ref)
+        measured = out_of_gaps(as_vector(x, self.mld.x, "state"), self._thresholds, self.tolerances.measured)
+        table = self.references.table(ref)
         last = construction.checked_last_input(last_input, self.mld, needed=self.uses_last_input)
         formulation = for_call(self.formulation, self.limits, limits)
         move = self._planner.plan(

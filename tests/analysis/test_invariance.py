@@ -122,3 +122,17 @@ def test_output_limits_with_booleans():
     assert not found.contains([-0.5, 0])
     with pytest.raises(ArgumentError, match="there is no w"):
         hys.feasible_states(hys.load(text), 1, outputs={"w": (0, 3)})
+
+
+def test_many_pieces_are_not_replaced_by_a_box():
+    """Eight switches lead from 256 intervals into one; a box around them would hold states that do not get there."""
+    switches = "".join(f" BOOL b{i};" for i in range(8))
+    steps = " ".join(f"- {4 * 2**i}*(REAL b{i})" for i in range(8))
+    model = hys.load(
+        f"SYSTEM s {{ INTERFACE {{ STATE {{ REAL x [0, 2000]; }} INPUT {{{switches} }} }}"
+        f" IMPLEMENTATION {{ CONTINUOUS {{ x = x {steps}; }} }} }}"
+    )
+    found = hys.feasible_states(model, 1, terminal={"x": (0, 1)})
+    assert len(found.pieces) == 256
+    assert found.contains([4.5])
+    assert not found.contains([2.5])
