@@ -79,7 +79,7 @@ def least_value(problem: Milp, sums: Sequence[tuple[Squares, Sequence[int]]], cl
     objective = {t: 1.0 for _, t in roots}
     bound, point = 0.0, np.zeros(0)
     for _ in range(MOST_CUTS):
-        answer = work.search(objective, seconds=clock.left)
+        answer = work.search(objective, seconds=clock.allowance())
         if answer.status is Status.NONE:
             return Least(inf, np.zeros(0))
         lower = _proven(answer)

@@ -177,7 +177,7 @@ def _is_lost(dha: Dha, state: Vector, states: HybridSet, limits: Limited, clock:
     for piece in states.pieces:
         problem = runs.problem.copy()
         demand_piece(problem, runs.states[1], piece, dha)
-        if problem.search(seconds=clock.left).status is not Status.NONE:
+        if problem.search(seconds=clock.allowance()).status is not Status.NONE:
             return False
     return True
 

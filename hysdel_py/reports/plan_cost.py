@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from math import inf, isfinite, nan
 
 from hysdel_py.analysis.certificate import Premise, Proof
-from hysdel_py.analysis.consistency import Clock
+from hysdel_py.analysis.clock import Clock
 from hysdel_py.analysis.least_cost import Squares, least_value
 from hysdel_py.analysis.milp import Milp
 from hysdel_py.analysis.monitor import Monitor

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from hysdel_py.analysis.certificate import Premise, Proof
-from hysdel_py.analysis.consistency import Clock
+from hysdel_py.analysis.clock import Clock
 from hysdel_py.analysis.monitor import Monitor
 from hysdel_py.analysis.safety import Found, Question, Searcher, Verdict
 from hysdel_py.analysis.terminal_step import Limited, limited_dha

@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from hysdel_py.analysis.certificate import PredictiveCertificate, Premise, Proof
-from hysdel_py.analysis.consistency import Clock
+from hysdel_py.analysis.clock import Clock
 from hysdel_py.analysis.counts import counted
 from hysdel_py.analysis.hybrid_set import HybridSet, Span, box_of
 from hysdel_py.analysis.invariance import feasible_states
