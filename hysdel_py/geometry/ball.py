@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from hysdel_py.geometry.lp import LpResult, LpStatus, maximise
 from hysdel_py.geometry.precision import Precision
+from hysdel_py.geometry.small_programs import are_small, greatest_values
 
 __all__ = ["Ball", "greatest_ball"]
 
@@ -44,6 +45,9 @@ def greatest_ball(A: Matrix, b: Vector, precision: Precision) -> Ball:
     b : array of shape (m,)
     precision : Precision
     """
+    small = _of_few_rows(A, b, precision) if are_small(len(b), A.shape[1] + 1) else None
+    if small is not None:
+        return small
     n, lengths = A.shape[1], np.linalg.norm(A, axis=1)
     if float(np.min(b[lengths == 0], initial=np.inf)) < -precision.touch:
         return Ball(np.zeros(n), -_LARGEST_RADIUS)
@@ -55,6 +59,24 @@ def greatest_ball(A: Matrix, b: Vector, precision: Precision) -> Ball:
     if answer.status is LpStatus.UNBOUNDED:
         answer = _largest(rows, h / lengths, _LARGEST_RADIUS, precision)
     return Ball(answer.w[:-1], float(answer.w[-1])) if answer.is_optimal else Ball(np.zeros(n), -np.inf)
+
+
+def _of_few_rows(A: Matrix, b: Vector, precision: Precision) -> Ball | None:
+    """The ball of few rows in few coordinates; None if a row has no coefficients or the answer is in doubt."""
+    m, n = A.shape
+    rows, costs, free = np.empty((m, n + 1)), np.zeros((1, n + 1)), np.full(n + 1, np.inf)
+    rows[:, :n] = A
+    rows[:, n] = lengths = np.sqrt(np.einsum("ij,ij->i", A, A))
+    if not m or not n or not lengths.min():
+        return None
+    costs[0, n] = 1.0
+    found = greatest_values(costs, rows, b, -free, free, precision.lp)
+    if found is not None and found.values[0] == np.inf:
+        free[n] = _LARGEST_RADIUS
+        found = greatest_values(costs, rows, b, -free, free, precision.lp)
+    if found is None or not found.is_feasible:
+        return None
+    return Ball(found.points[0, :n], float(found.points[0, n]))
 
 
 def _largest(rows: Matrix, sides: Vector, radius: float, precision: Precision) -> LpResult:

@@ -4,6 +4,9 @@ Around an inner point the polyhedron ``{v : G v <= h}`` with ``h > 0`` is the po
 ``n'x <= 1`` of their convex hull with the origin is a vertex ``n`` of the polyhedron, a facet ``n'x <= 0`` an extreme
 ray ``n`` (G. M. Ziegler, "Lectures on polytopes", 1995, section 2.3). Qhull computes that hull. The rows of a convex
 hull are found by the same step applied to its polar.
+
+Where there are few of them the generators are the extreme rays of the cone ``{(t, v) : h t - G v >= 0, t >= 0}``, those
+with t = 0 being rays and the others points ``v / t``; flat and unbounded polyhedra are no case of their own there.
 """
 
 from __future__ import annotations
@@ -15,8 +18,10 @@ from numpy.typing import NDArray
 
 from hysdel_py.errors import ArgumentError
 from hysdel_py.geometry.affine_hull import AffineHull, null_space
+from hysdel_py.geometry.cone import points_and_ways
+from hysdel_py.geometry.precision import Precision
 
-__all__ = ["Generators", "generators_of"]
+__all__ = ["Generators", "few_generators_of", "generators_of", "sorted_rows"]
 
 Vector = NDArray[np.float64]
 Matrix = NDArray[np.float64]
@@ -76,6 +81,29 @@ def generators_of(A: Matrix, b: Vector, hull: AffineHull) -> Generators:
     return Generators(
         hull.origin + points @ frame.T, _unit(rays @ frame.T), np.ascontiguousarray((hull.basis @ lines).T)
     )
+
+
+def few_generators_of(A: Matrix, b: Vector, inside: Vector, precision: Precision) -> Generators | None:
+    """Generators of ``{w : A w <= b}`` where they are few and the numbers leave no doubt, else None.
+
+    Parameters
+    ----------
+    A : array of shape (m, n)
+    b : array of shape (m,)
+    inside : array of shape (n,)
+        A point that satisfies the rows, an inner one if there is one.
+    precision : Precision
+    """
+    found = points_and_ways(A, b, inside, precision.empty)
+    if found is None:
+        return None
+    points, rays, lines, scale = found
+    return Generators(sorted_rows(points, scale), sorted_rows(rays, 1.0), lines)
+
+
+def sorted_rows(rows: Matrix, scale: Vector | float) -> Matrix:
+    """Rows in order, as far as nine digits of those in coordinates of the given sizes tell."""
+    return np.asarray(rows[np.lexsort((rows / scale).round(9).T[::-1])] + 0.0) if len(rows) > 1 else rows + 0.0
 
 
 def _distinct(rows: Matrix, scale: Vector | float) -> Matrix:

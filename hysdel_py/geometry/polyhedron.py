@@ -13,18 +13,22 @@ from hysdel_py.errors import ArgumentError
 from hysdel_py.geometry.affine_hull import AffineHull, affine_hull
 from hysdel_py.geometry.ball import Ball, greatest_ball
 from hysdel_py.geometry.convex_hull import hull_rows, hull_volume
-from hysdel_py.geometry.generators import Generators, generators_of
+from hysdel_py.geometry.generators import Generators, few_generators_of, generators_of
 from hysdel_py.geometry.lp import LpResult, maximise
 from hysdel_py.geometry.mapping import mapped
 from hysdel_py.geometry.precision import DEFAULT_PRECISION, Precision
 from hysdel_py.geometry.projection import eliminate
 from hysdel_py.geometry.redundancy import irredundant_rows
+from hysdel_py.geometry.small_programs import are_small, greatest_values
 from hysdel_py.geometry.solver import LpSolver
 
 __all__ = ["Ball", "Polyhedron"]
 
 Vector = NDArray[np.float64]
 Matrix = NDArray[np.float64]
+
+_EASY_VERTICES = 6
+"""Up to this dimension a shadow is the hull of projected vertices."""
 
 _ROUNDING = 1e-14
 """A sum this small relative to the sizes of its terms is zero."""
@@ -155,6 +159,9 @@ class Polyhedron:
     def bounding_box(self) -> tuple[Vector, Vector]:
         """Least and greatest value of each coordinate; infinite where there is none."""
         eye = np.eye(self.n)
+        ends = self._greatest(np.vstack([eye, -eye]))
+        if ends is not None:
+            return -ends[self.n :], ends[: self.n]
         low = np.array([-self.maximise(-row).value for row in eye])
         return low, np.array([self.maximise(row).value for row in eye])
 
@@ -220,7 +227,8 @@ class Polyhedron:
         if self.is_empty:
             none = np.zeros((0, self.n))
             return Generators(none, none, none)
-        return generators_of(*self._unit, self.affine_hull)
+        few = few_generators_of(self.A, self.b, self.ball.centre, self.precision)
+        return generators_of(*self._unit, self.affine_hull) if few is None else few
 
     @property
     def is_bounded(self) -> bool:
@@ -267,9 +275,34 @@ class Polyhedron:
             raise ArgumentError(f"each coordinate can be kept once; found {list(coordinates)}")
         if self.is_empty:
             return Polyhedron.empty(len(kept), self.precision)
+        shadow = self._shadow_of_generators(kept)
+        if shadow is not None:
+            return shadow
         gone = [i for i in range(self.n) if i not in kept]
         A, b = eliminate(*self._unit, self.affine_hull, gone, self.precision)
         return Polyhedron(A[:, np.argsort(np.argsort(kept))], b, self.precision).minimal()
+
+    def _shadow_of_generators(self, kept: list[int]) -> Polyhedron | None:
+        """The projection as the hull of projected vertices, where these are had cheaply; of one coordinate its ends."""
+        if len(kept) == 1 and self.n > 1:
+            eye = np.eye(self.n)[kept]
+            found = self._greatest(np.vstack([eye, -eye]))
+            return None if found is None else Polyhedron.box(-found[1:], found[:1], self.precision)
+        if not kept or len(kept) == self.n or self.n > _EASY_VERTICES:
+            return None
+        try:
+            points, rays, lines = self.generators.points, self.generators.rays, self.generators.lines
+            return Polyhedron.hull(points[:, kept], rays[:, kept], lines[:, kept], self.precision)
+        except ArgumentError:
+            return None  # of a bad scale: coordinates are eliminated one after the other
+
+    def _greatest(self, directions: Matrix) -> Vector | None:
+        """Greatest values along directions, infinite where there is none; None if there are no points or doubts."""
+        if not are_small(*self.A.shape):
+            return None
+        free = np.full(self.n, np.inf)
+        found = greatest_values(directions, self.A, self.b, -free, free, self.precision.lp)
+        return found.values if found is not None and found.is_feasible else None
 
     def preimage(self, M: ArrayLike, t: ArrayLike = 0.0) -> Polyhedron:
         """``{v : M v + t is in the polyhedron}``."""

@@ -1,0 +1,100 @@
+"""Linear programs in few variables over the same rows, solved by the kernels of :mod:`hysdel_py.geometry.kernels`."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from hysdel_py.geometry.kernels.linear_program import INFEASIBLE, OPTIMAL
+from hysdel_py.geometry.kernels.programs import maximised
+
+__all__ = ["GreatestValues", "are_small", "greatest_values", "needed_among"]
+
+Vector = NDArray[np.float64]
+Matrix = NDArray[np.float64]
+
+_MOST_VARIABLES = 20
+_MOST_ENTRIES = 5000
+_NO_MARGIN = -1.0
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class GreatestValues:
+    """Answers of linear programs over the same rows, one for each row of costs.
+
+    Attributes
+    ----------
+    is_feasible : bool
+        Whether there is a point at all; without one the rest means nothing.
+    points, multipliers : arrays of shapes (k, n) and (k, m)
+    values, bounds : arrays of shape (k,)
+        Infinite where a program is unbounded; the bounds are proven by the multipliers.
+    """
+
+    is_feasible: bool
+    points: Matrix
+    multipliers: Matrix
+    values: Vector
+    bounds: Vector
+
+
+def are_small(m: int, n: int) -> bool:
+    """Whether programs of m rows and n variables are solved fastest here."""
+    return 0 < n <= _MOST_VARIABLES and m * n <= _MOST_ENTRIES
+
+
+def greatest_values(
+    costs: Matrix, A: Matrix, b: Vector, lb: Vector, ub: Vector, tolerance: float
+) -> GreatestValues | None:
+    """Greatest value of each row of costs over ``A w <= b, lb <= w <= ub``; None unless all answers stand the check.
+
+    Parameters
+    ----------
+    costs : array of shape (k, n)
+    A, b : arrays of shapes (m, n) and (m,)
+        An infinite side is a row that never matters.
+    lb, ub : arrays of shape (n,)
+    tolerance : float
+        By which unit rows may be exceeded, and values miss their bounds, relative to 1 and their size.
+    """
+    (m, n), k = A.shape, len(costs)
+    W, Y, values, bounds = np.empty((k, n)), np.empty((k, m)), np.zeros(k), np.empty(k)
+    status = maximised(
+        np.array(costs, dtype=float, order="C"), np.array(A, dtype=float, order="C"), np.array(b, dtype=float),
+        np.array(lb, dtype=float), np.array(ub, dtype=float), tolerance, _NO_MARGIN, W, Y, values, bounds, *_room(m, n)
+    )  # fmt: skip
+    return GreatestValues(status == OPTIMAL, W, Y, values, bounds) if status in (OPTIMAL, INFEASIBLE) else None
+
+
+def needed_among(
+    G: Matrix, h: Vector, known: NDArray[np.bool_], margin: float, tolerance: float
+) -> NDArray[np.bool_] | None:
+    """Which rows can't be left out; each one that can is left out before the next is asked for.
+
+    None unless all answers stand the check.
+
+    Parameters
+    ----------
+    G, h : arrays of shapes (m, n) and (m,)
+        Rows of unit length with finite sides.
+    known : array of shape (m,) of bool
+        Rows that are known to be needed.
+    margin : float
+        A row is needed if it is exceeded by more than this without it.
+    tolerance : float
+        As of :func:`greatest_values`.
+    """
+    m, n = G.shape
+    values, far = np.where(known, np.inf, 0.0), np.full(n, np.inf)
+    rows, sides = np.array(G, dtype=float, order="C"), np.array(h, dtype=float)
+    W, nothing = np.empty((m, n)), np.empty((1, 1))
+    status = maximised(rows, rows, sides, -far, far, tolerance, margin, W, nothing, values, np.empty(m), *_room(m, n))
+    return np.asarray(values > sides + margin) if status == OPTIMAL else None
+
+
+def _room(m: int, n: int) -> tuple[NDArray[np.int64], NDArray[np.int64], Matrix, Matrix, Matrix, Matrix]:
+    """Arrays that the kernel works in."""
+    basis, rows = np.empty(n, np.int64), np.empty(m, np.int64)
+    return basis, rows, np.empty((n, n)), np.empty((5, n)), np.empty((m, n)), np.empty((2, m))
