@@ -11,13 +11,13 @@ from hysdel_py.geometry.lp import LpResult, LpStatus, maximise
 from hysdel_py.geometry.precision import Precision
 from hysdel_py.geometry.small_programs import are_small, greatest_values
 
-__all__ = ["Ball", "greatest_ball"]
+__all__ = ["LARGEST_RADIUS", "Ball", "greatest_ball"]
 
 Vector = NDArray[np.float64]
 Matrix = NDArray[np.float64]
 
-_LARGEST_RADIUS = 1e6
-"""Radius at which the search for an inscribed ball stops in a polyhedron that holds balls of any size."""
+LARGEST_RADIUS = 1e6
+"""Usual radius at which the search for an inscribed ball stops in a polyhedron that holds balls of any size."""
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -36,7 +36,7 @@ class Ball:
     radius: float
 
 
-def greatest_ball(A: Matrix, b: Vector, precision: Precision) -> Ball:
+def greatest_ball(A: Matrix, b: Vector, precision: Precision, most: float = LARGEST_RADIUS) -> Ball:
     """A greatest ball in ``{w : A w <= b}`` (Boyd and Vandenberghe, "Convex optimization", 2004, section 8.5.1).
 
     Parameters
@@ -44,24 +44,26 @@ def greatest_ball(A: Matrix, b: Vector, precision: Precision) -> Ball:
     A : array of shape (m, n)
     b : array of shape (m,)
     precision : Precision
+    most : float
+        Radius at which the search stops in a polyhedron that holds balls of any size.
     """
-    small = _of_few_rows(A, b, precision) if are_small(len(b), A.shape[1] + 1) else None
+    small = _of_few_rows(A, b, precision, most) if are_small(len(b), A.shape[1] + 1) else None
     if small is not None:
         return small
     n, lengths = A.shape[1], np.linalg.norm(A, axis=1)
     if float(np.min(b[lengths == 0], initial=np.inf)) < -precision.touch:
-        return Ball(np.zeros(n), -_LARGEST_RADIUS)
+        return Ball(np.zeros(n), -LARGEST_RADIUS)
     G, h, lengths = A[lengths > 0], b[lengths > 0], lengths[lengths > 0]
     if not len(h) or not n:
-        return Ball(np.zeros(n), _LARGEST_RADIUS)
+        return Ball(np.zeros(n), most)
     rows = np.column_stack([G / lengths[:, None], np.ones(len(h))])
     answer = _largest(rows, h / lengths, np.inf, precision)
     if answer.status is LpStatus.UNBOUNDED:
-        answer = _largest(rows, h / lengths, _LARGEST_RADIUS, precision)
+        answer = _largest(rows, h / lengths, most, precision)
     return Ball(answer.w[:-1], float(answer.w[-1])) if answer.is_optimal else Ball(np.zeros(n), -np.inf)
 
 
-def _of_few_rows(A: Matrix, b: Vector, precision: Precision) -> Ball | None:
+def _of_few_rows(A: Matrix, b: Vector, precision: Precision, most: float) -> Ball | None:
     """The ball of few rows in few coordinates; None if a row has no coefficients or the answer is in doubt."""
     m, n = A.shape
     rows, costs, free = np.empty((m, n + 1)), np.zeros((1, n + 1)), np.full(n + 1, np.inf)
@@ -72,7 +74,7 @@ def _of_few_rows(A: Matrix, b: Vector, precision: Precision) -> Ball | None:
     costs[0, n] = 1.0
     found = greatest_values(costs, rows, b, -free, free, precision.lp)
     if found is not None and found.values[0] == np.inf:
-        free[n] = _LARGEST_RADIUS
+        free[n] = most
         found = greatest_values(costs, rows, b, -free, free, precision.lp)
     if found is None or not found.is_feasible:
         return None

@@ -18,6 +18,8 @@ Matrix = NDArray[np.float64]
 _MOST_RAYS = 300
 """With more rays than this Qhull takes less time."""
 _MOST_WORK = 1e6
+_MISS = 1e-10
+"""A vertex that misses a row by more than this is none, and the method has gone astray."""
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -79,17 +81,32 @@ def points_and_ways(A: Matrix, b: Vector, inside: Vector, least: float) -> tuple
     least : float
         Rows of unit length with less room at a point of the set, but more than rounding errors, leave a doubt.
     """
+    rows, sides, n = np.array(A, order="C"), np.array(b), A.shape[1]
+    found = _around(rows, sides, np.array(inside), np.ones(n), least)
+    if found is None or not len(found[1]) or len(found[0]) < 2:
+        return found
+    points, rays, _, _ = found  # of an unbounded set the vertices tell where its middle is
+    sizes = np.ptp(points, axis=0)
+    middle = points.mean(axis=0) + sizes.max() * rays.mean(axis=0)
+    return _around(rows, sides, middle, np.where(sizes > least, sizes, sizes.max()), least)
+
+
+def _around(
+    A: Matrix, b: Vector, point: Vector, scale: Vector, least: float
+) -> tuple[Matrix, Matrix, Matrix, Vector] | None:
+    """The same from a point of the set and about the sizes of its coordinates, which both change."""
     m, n = A.shape
-    rows, sides, point, scale = np.array(A, order="C"), np.array(b), np.array(inside), np.empty(n)
     H = np.empty((m + 1, n + 1))
-    if not homogeneous(rows, sides, least, point, scale, np.empty(m), H):
+    if not homogeneous(A, b, least, point, scale, np.empty(m), H):
         return None
     cone = cone_of(H)
     if cone is None:
         return None
     count = len(cone.rays)
     found, is_ray = np.empty((count, n)), np.empty(count, np.bool_)
-    vertices = generated(rows, sides, point, scale, cone.rays, cone.bits, count, found, is_ray)
+    vertices = generated(A, b, point, scale, cone.rays, cone.bits, count, _MISS, found, is_ray)
+    if vertices < 0:
+        return None
     lines = orthonormal(cone.lines[:, 1:] * scale)
     if vertices == count and not len(lines):
         return found, found[:0], lines, scale

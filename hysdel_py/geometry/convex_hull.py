@@ -9,6 +9,7 @@ from hysdel_py.errors import ArgumentError
 from hysdel_py.geometry.affine_hull import AffineHull, affine_hull
 from hysdel_py.geometry.cone import across, cone_of, orthonormal
 from hysdel_py.geometry.generators import generators_of
+from hysdel_py.geometry.kernels.homogeneous import dual
 from hysdel_py.geometry.precision import Precision
 
 __all__ = ["hull_rows", "hull_volume"]
@@ -40,12 +41,12 @@ def hull_rows(points: Matrix, rays: Matrix, lines: Matrix, precision: Precision)
     n = points.shape[1]
     if not n:
         return np.zeros((0, 0)), np.zeros(0)
-    middle, sizes = points.mean(axis=0), _sizes(points, precision)
-    shifted, directions, axes = (points - middle) / sizes, _unit(rays / sizes), _unit(lines / sizes)
-    found = _few_rows(shifted, directions, axes)
-    rows, sides = _many_rows(shifted, directions, axes, precision) if found is None else found
+    middle, sizes, H = np.empty(n), np.empty(n), np.empty((len(points) + len(rays) + 2 * len(lines), n + 1))
+    dual(np.array(points, order="C"), np.array(rays, order="C"), np.array(lines, order="C"), precision.empty, middle, sizes, H)
+    found = _few_rows(H, len(points), len(rays))
+    rows, sides = _many_rows(H, len(points), len(rays), len(lines), precision) if found is None else found
     A = rows / sizes
-    lengths = np.linalg.norm(A, axis=1)
+    lengths = np.sqrt(np.einsum("ij,ij->i", A, A))
     A, b = A / lengths[:, None], (sides + A @ middle) / lengths
     if not len(rays) and not len(lines) and np.min(np.max(np.abs(A), axis=0, initial=0.0)) < _LOST:
         raise ArgumentError(
@@ -55,59 +56,48 @@ def hull_rows(points: Matrix, rays: Matrix, lines: Matrix, precision: Precision)
     return A, b
 
 
-def _few_rows(points: Matrix, rays: Matrix, lines: Matrix) -> tuple[Matrix, Vector] | None:
-    """Rows of ``conv(points) + cone(rays) + span(lines)`` around the origin; None as of :func:`cone_of`.
+def _few_rows(H: Matrix, points: int, rays: int) -> tuple[Matrix, Vector] | None:
+    """Rows of the hull in round coordinates; None as of :func:`cone_of`.
 
     The rows ``a'w <= b`` that hold for all generators are a cone; its extreme rays are the facets, its lines equalities.
     """
-    n = points.shape[1]
-    H = np.zeros((len(points) + len(rays) + 2 * len(lines), n + 1))
-    H[: len(points), 0] = 1.0
-    H[:, 1:] = -np.vstack([points, rays, lines, -lines])
-    cone = cone_of(H / np.sqrt(np.einsum("ij,ij->i", H, H))[:, None])
+    cone = cone_of(H)
     if cone is None:
         return None
     equal = orthonormal(cone.lines[:, 1:])
-    facets = across(cone.rays[:, 1:], equal)
+    facets, sides = across(cone.rays[:, 1:], equal), cone.rays[:, 0]
     real = np.einsum("ij,ij->i", facets, facets) > _NO_ROW**2
-    facets, sides = facets[real], cone.rays[real, 0]
-    order = _order(facets, sides - facets @ rays.sum(axis=0))
-    rows = np.vstack([facets[order], equal, -equal])
-    return rows, np.concatenate([sides[order], np.zeros(2 * len(equal))])
+    if not real.all():
+        facets, sides = facets[real], sides[real]
+    order = _order(facets, sides, H[points : points + rays, 1:].sum(axis=0))
+    if not len(equal):
+        return facets[order], sides[order]
+    return np.vstack([facets[order], equal, -equal]), np.concatenate([sides[order], np.zeros(2 * len(equal))])
 
 
-def _order(facets: Matrix, sides: Vector) -> NDArray[np.intp]:
+def _order(facets: Matrix, sides: Vector, back: Vector) -> NDArray[np.intp]:
     """Order of the rows, by the points of the polar around an inner point."""
-    polar = facets / np.where(sides > 0, sides, 1.0)[:, None]
-    return np.lexsort(polar.round(9).T[::-1]) if len(facets) else np.zeros(0, dtype=np.intp)
+    if len(facets) < 2:
+        return np.arange(len(facets))
+    inner = sides + facets @ back
+    return np.lexsort((facets / inner[:, None]).round(9).T[::-1])
 
 
-def _many_rows(points: Matrix, directions: Matrix, lines: Matrix, precision: Precision) -> tuple[Matrix, Vector]:
+def _many_rows(H: Matrix, points: int, rays: int, lines: int, precision: Precision) -> tuple[Matrix, Vector]:
     """The same by the vertices of the polar.
 
     The rows of the set moved so that the origin is inside are the generators of its polar ``{a : p'a <= 1, r'a <= 0,
     l'a = 0}``: a vertex gives ``a'w <= 1``, a line ``a'w = 0``. The origin is inside, hence the polar has no rays.
     """
+    directions, axes = -H[points : points + rays, 1:], -H[points + rays : points + rays + lines, 1:]
     inner = directions.sum(axis=0)
-    polar = generators_of(*_polar(points - inner, directions, lines, precision))
+    shifted = -H[:points, 1:] / H[:points, :1] - inner
+    polar = generators_of(*_polar(shifted, _unit(directions), _unit(axes), precision))
     rows = np.vstack([polar.points, polar.lines, -polar.lines])
     sides = np.concatenate([np.ones(len(polar.points)), np.zeros(2 * len(polar.lines))]) + rows @ inner
     lengths = np.linalg.norm(rows, axis=1)
     real = lengths > _NO_ROW * np.max(lengths, initial=0.0)  # the origin is a vertex of the polar of an unbounded set
     return rows[real], sides[real]
-
-
-def _sizes(points: Matrix, precision: Precision) -> Vector:
-    """Size of the points along each coordinate; where they are flat, that of all of them, or 1 for a single point.
-
-    With one size for all coordinates a set that is thin in one of them would be taken for flat.
-    """
-    away = np.max(np.abs(points - points.mean(axis=0)), axis=0)
-    noise = np.finfo(float).eps * np.max(np.abs(points), axis=0)
-    whole = float(np.max(away))
-    if whole <= float(np.max(noise)):
-        return np.ones(points.shape[1])
-    return np.where(away > np.maximum(precision.empty, noise), away, whole)
 
 
 def _unit(rows: Matrix) -> Matrix:

@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from hysdel_py.errors import ArgumentError
 from hysdel_py.geometry.affine_hull import AffineHull, affine_hull
-from hysdel_py.geometry.ball import Ball, greatest_ball
+from hysdel_py.geometry.ball import LARGEST_RADIUS, Ball, greatest_ball
 from hysdel_py.geometry.convex_hull import hull_rows, hull_volume
 from hysdel_py.geometry.generators import Generators, few_generators_of, generators_of
 from hysdel_py.geometry.lp import LpResult, maximise
@@ -215,6 +215,12 @@ class Polyhedron:
         ball = greatest_ball(A[~hull.tight] @ hull.basis, (b - A @ hull.origin)[~hull.tight], self.precision)
         return Ball(hull.origin + hull.basis @ ball.centre, ball.radius)
 
+    @property
+    def _inside(self) -> Vector:
+        """A point near some vertex, an inner one if there are any."""
+        ball = self.ball
+        return (ball if ball.radius < LARGEST_RADIUS else greatest_ball(self.A, self.b, self.precision, 1.0)).centre
+
     @cached_property
     def generators(self) -> Generators:
         """Vertices, extreme rays and lines, each in a fixed order.
@@ -227,7 +233,7 @@ class Polyhedron:
         if self.is_empty:
             none = np.zeros((0, self.n))
             return Generators(none, none, none)
-        few = few_generators_of(self.A, self.b, self.ball.centre, self.precision)
+        few = few_generators_of(self.A, self.b, self._inside, self.precision)
         return generators_of(*self._unit, self.affine_hull) if few is None else few
 
     @property

@@ -17,8 +17,6 @@ __all__ = ["irredundant_rows"]
 Vector = NDArray[np.float64]
 Matrix = NDArray[np.float64]
 
-_COMPARED = 100
-"""Of so many rows all pairs are compared at once."""
 _CLEARLY_FIRST = 1e-6
 """A ray proves a row only if it meets all others later by this much, relative to its length."""
 
@@ -34,20 +32,18 @@ def irredundant_rows(A: Matrix, b: Vector, inside: Matrix, solver: LpSolver) -> 
         Inner points, as many as are known; there may be none.
     solver : LpSolver
     """
+    precision = solver.precision
+    if are_small(*A.shape):
+        found = needed_among(A, b, inside, precision.parallel, precision.redundant, precision.lp)
+        if found is not None:
+            solver.solved += found[1]
+            return found[0]
     lengths = np.asarray(np.linalg.norm(A, axis=1))
-    keep = _distinct_rows(A, b, lengths, solver.precision.parallel)
+    keep = _distinct_rows(A, b, lengths, precision.parallel)
     if not keep:
         return ()
     G, h = A[keep] / lengths[keep, None], b[keep] / lengths[keep]
-    known = np.zeros(len(keep), dtype=bool)
-    for point in inside:
-        known[list(_met_first(G, h, point))] = True
-    if are_small(*G.shape) and not known.all():
-        found = needed_among(G, h, known, solver.precision.redundant, solver.precision.lp)
-        if found is not None:
-            solver.solved += int(np.sum(~known))
-            return tuple(keep[i] for i in np.flatnonzero(found))
-    needed = {keep[i] for i in np.flatnonzero(known)}
+    needed = {keep[i] for point in inside for i in _met_first(G, h, point)}
     for row in [r for r in keep if r not in needed]:
         others = [r for r in keep if r != row]
         if _exceeds(A, b, row, others, solver):
@@ -59,11 +55,6 @@ def irredundant_rows(A: Matrix, b: Vector, inside: Matrix, solver: LpSolver) -> 
 
 def _distinct_rows(A: Matrix, b: Vector, lengths: Vector, parallel: float) -> list[int]:
     """Rows that matter at all: of parallel rows the tightest, the first of equal ones."""
-    real = np.flatnonzero((lengths > 0) & np.isfinite(b))
-    if len(real) <= _COMPARED:
-        G = A[real] / lengths[real, None]
-        if np.count_nonzero(np.abs(G[:, None] - G[None]).max(axis=2, initial=0.0) <= 2 * parallel) == len(real):
-            return [int(row) for row in real]
     digits = round(-np.log10(parallel))
     best: dict[tuple[float, ...], int] = {}
     for row in range(len(b)):

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hysdel_py.geometry.kernels.linear_program import INFEASIBLE, OPTIMAL
-from hysdel_py.geometry.kernels.programs import maximised
+from hysdel_py.geometry.kernels.programs import maximised, screened
 
 __all__ = ["GreatestValues", "are_small", "greatest_values", "needed_among"]
 
@@ -69,29 +69,37 @@ def greatest_values(
 
 
 def needed_among(
-    G: Matrix, h: Vector, known: NDArray[np.bool_], margin: float, tolerance: float
-) -> NDArray[np.bool_] | None:
-    """Which rows can't be left out; each one that can is left out before the next is asked for.
+    A: Matrix, b: Vector, inside: Matrix, parallel: float, margin: float, tolerance: float
+) -> tuple[tuple[int, ...], int] | None:
+    """Rows that can't be left out, in their order, and how many linear programs it took to tell.
 
-    None unless all answers stand the check.
+    Each row that can be left out is left out before the next is asked for. None unless all answers stand the check.
 
     Parameters
     ----------
-    G, h : arrays of shapes (m, n) and (m,)
-        Rows of unit length with finite sides.
-    known : array of shape (m,) of bool
-        Rows that are known to be needed.
+    A, b : arrays of shapes (m, n) and (m,)
+    inside : array of shape (k, n)
+        Inner points; rays from them tell some rows without a program.
+    parallel : float
+        Unit rows that differ by less are parallel.
     margin : float
-        A row is needed if it is exceeded by more than this without it.
+        A row is needed if it is exceeded by more than this without it, for a normal of unit length.
     tolerance : float
         As of :func:`greatest_values`.
     """
-    m, n = G.shape
-    values, far = np.where(known, np.inf, 0.0), np.full(n, np.inf)
-    rows, sides = np.array(G, dtype=float, order="C"), np.array(h, dtype=float)
-    W, nothing = np.empty((m, n)), np.empty((1, 1))
-    status = maximised(rows, rows, sides, -far, far, tolerance, margin, W, nothing, values, np.empty(m), *_room(m, n))
-    return np.asarray(values > sides + margin) if status == OPTIMAL else None
+    m, n = A.shape
+    G, h, rows, known = np.empty((m, n)), np.empty(m), np.empty(m, np.int64), np.zeros(m, np.bool_)
+    given = np.array(A, dtype=float, order="C"), np.array(b, dtype=float), np.array(inside, dtype=float, order="C")
+    count = screened(*given, parallel, G, h, rows, np.empty(m), known)
+    G, h, rows, known = G[:count], h[:count], rows[:count], known[:count]
+    asked = int(count - np.count_nonzero(known))
+    if asked:
+        values, far, W = np.where(known, np.inf, 0.0), np.full(n, np.inf), np.empty((count, n))
+        outs = W, np.empty((1, 1)), values, np.empty(count)
+        if maximised(G, G, h, -far, far, tolerance, margin, *outs, *_room(count, n)) != OPTIMAL:
+            return None
+        rows = rows[values > h + margin]
+    return tuple(sorted(rows.tolist())), asked
 
 
 def _room(m: int, n: int) -> tuple[NDArray[np.int64], NDArray[np.int64], Matrix, Matrix, Matrix, Matrix]:

@@ -13,20 +13,25 @@ import numpy as np
 from hysdel_py.compiled import leaf, step
 from hysdel_py.geometry.kernels.linear_program import INFEASIBLE, OPTIMAL, UNBOUNDED, UNKNOWN, solved
 
-__all__ = ["maximised"]
+__all__ = ["maximised", "screened"]
 
 _EPS = float(np.finfo(float).eps)
+_CLEARLY_FIRST = 1e-6
+"""A ray proves a row only if it meets all others later by this much, relative to its length."""
 
 
 @step
-def _unit_rows(A: Any, b: Any, G: Any, h: Any, rows: Any) -> int:
-    """Rows of unit length that have coefficients and a finite side, with their numbers; -1 if a row can't be met."""
+def _unit_rows(A: Any, b: Any, G: Any, h: Any, rows: Any, least: float) -> int:
+    """Rows of unit length that have coefficients and a finite side, with their numbers.
+
+    It is -1 if a row without coefficients has a side below the least one.
+    """
     count = 0
     for i in range(len(b)):
         total = 0.0
         for j in range(A.shape[1]):
             total += A[i, j] * A[i, j]
-        if total == 0.0 and b[i] < 0.0:
+        if total == 0.0 and b[i] < least:
             return -1
         if total == 0.0 or b[i] == np.inf:
             continue
@@ -102,6 +107,79 @@ def _priced(A: Any, rows: Any, count: int, prices: Any, y: Any) -> None:
 
 
 @step
+def _distinct(G: Any, h: Any, rows: Any, count: int, parallel: float) -> int:
+    """Of parallel rows keep the tightest, of equal ones the first; returns how many are left."""
+    kept = 0
+    for i in range(count):
+        place = kept
+        for k in range(kept):
+            apart = 0.0
+            for j in range(G.shape[1]):
+                apart = max(apart, abs(G[i, j] - G[k, j]))
+                if apart > parallel:
+                    break
+            if apart <= parallel:
+                place = k
+                break
+        if place == kept:
+            kept += 1
+        elif not h[i] < h[place] - 1e-15 * abs(h[i]):
+            continue
+        for j in range(G.shape[1]):
+            G[place, j] = G[i, j]
+        h[place], rows[place] = h[i], rows[i]
+    return kept
+
+
+@step
+def _met_first(G: Any, h: Any, count: int, inside: Any, point: int, distance: Any, known: Any) -> None:
+    """Mark the rows that a ray from an inner point along some row's normal meets first, and no other nearly as soon."""
+    n = G.shape[1]
+    for i in range(count):
+        distance[i] = h[i]
+        for j in range(n):
+            distance[i] -= G[i, j] * inside[point, j]
+        if distance[i] <= 0.0:
+            return
+    for k in range(count):
+        first, soonest, second = -1, np.inf, np.inf
+        for i in range(count):
+            speed = 0.0
+            for j in range(n):
+                speed += G[i, j] * G[k, j]
+            if speed <= 0.0:
+                continue
+            time = distance[i] / speed
+            if time < soonest:
+                first, soonest, second = i, time, soonest
+            elif time < second:
+                second = time
+        if first >= 0 and second > soonest * (1.0 + _CLEARLY_FIRST):
+            known[first] = True
+
+
+@leaf
+def screened(
+    A: Any, b: Any, inside: Any, parallel: float, G: Any, h: Any, rows: Any, distance: Any, known: Any
+) -> int:
+    """Rows of unit length that may be needed, with their numbers, and which of them surely are; how many there are.
+
+    Parameters
+    ----------
+    A, b, inside : arrays of shapes (m, n), (m,) and (k, n)
+        Rows and inner points; rows without coefficients or without a finite side are left out.
+    parallel : float
+        Unit rows that differ by less are parallel: the tightest stays, the first of equal ones.
+    G, h, rows, distance, known : arrays of shapes (m, n), (m,), (m,) of int, (m,) and (m,) of bool
+        Filled in, but for the distances, which are room to work in; none is known at the start.
+    """
+    count = _distinct(G, h, rows, _unit_rows(A, b, G, h, rows, -np.inf), parallel)
+    for k in range(len(inside)):
+        _met_first(G, h, count, inside, k, distance, known)
+    return count
+
+
+@step
 def _dropped(G: Any, h: Any, row: int) -> None:
     h[row] = np.inf
     for j in range(G.shape[1]):
@@ -145,7 +223,7 @@ def maximised(
     """
     m, n = A.shape
     h, prices = sides[0], sides[1]
-    count = _unit_rows(A, b, G, h, rows)
+    count = _unit_rows(A, b, G, h, rows, 0.0)
     if count < 0:
         return INFEASIBLE
     for k in range(len(C)):
