@@ -20,6 +20,10 @@ Matrix = NDArray[np.float64]
 _LOST = 1e-9
 """A coordinate with less than this in all rows of unit length is lost in linear programs: the set has no end there."""
 
+_FEW_POINTS = 100
+_THINNEST = 1e-12
+"""Points that are thinner than this along some direction, relative to their size, are left to Qhull."""
+
 _NO_ROW = 1e-10
 """A vertex of the polar this close to the origin, relative to the farthest one, gives no row."""
 
@@ -44,6 +48,8 @@ def hull_rows(points: Matrix, rays: Matrix, lines: Matrix, precision: Precision)
     middle, sizes, H = np.empty(n), np.empty(n), np.empty((len(points) + len(rays) + 2 * len(lines), n + 1))
     dual(np.array(points, order="C"), np.array(rays, order="C"), np.array(lines, order="C"), precision.empty, middle, sizes, H)
     found = _few_rows(H, len(points), len(rays))
+    if found is None and len(points) == len(H) <= _FEW_POINTS:
+        found = _rows_of_sliver(H)
     rows, sides = _many_rows(H, len(points), len(rays), len(lines), precision) if found is None else found
     A = rows / sizes
     lengths = np.sqrt(np.einsum("ij,ij->i", A, A))
@@ -73,6 +79,17 @@ def _few_rows(H: Matrix, points: int, rays: int) -> tuple[Matrix, Vector] | None
     if not len(equal):
         return facets[order], sides[order]
     return np.vstack([facets[order], equal, -equal]), np.concatenate([sides[order], np.zeros(2 * len(equal))])
+
+
+def _rows_of_sliver(H: Matrix) -> tuple[Matrix, Vector] | None:
+    """As :func:`_few_rows`, in the principal axes of the points, which are thin along one that is no coordinate."""
+    shifted = H[:, 1:] / H[:, :1]
+    _, sizes, axes = np.linalg.svd(shifted, full_matrices=False)
+    if len(sizes) < H.shape[1] - 1 or sizes[-1] <= _THINNEST * sizes[0]:
+        return None
+    turned = np.column_stack([np.ones(len(H)), shifted @ axes.T / sizes])
+    found = _few_rows(turned / np.sqrt(np.einsum("ij,ij->i", turned, turned))[:, None], len(H), 0)
+    return None if found is None else ((found[0] / sizes) @ axes, found[1])
 
 
 def _order(facets: Matrix, sides: Vector, back: Vector) -> NDArray[np.intp]:

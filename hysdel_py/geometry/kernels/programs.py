@@ -54,7 +54,8 @@ def _is_sound(c: Any, G: Any, h: Any, m: int, lb: Any, ub: Any, w: Any, y: Any, 
             excess += G[i, j] * w[j]
         if not excess <= tolerance * max(1.0, abs(h[i])):
             return False
-        bound += y[i] * h[i]
+        if y[i] > 0.0:
+            bound += y[i] * h[i]
     for j in range(len(c)):
         size = max(1.0, abs(w[j]))
         if not (lb[j] - tolerance * size <= w[j] <= ub[j] + tolerance * size):
