@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from hysdel_py.geometry.lp import LpResult, LpStatus, maximise
 from hysdel_py.geometry.precision import Precision
-from hysdel_py.geometry.small_programs import are_small, greatest_values
+from hysdel_py.geometry.small_programs import are_small, greatest_radius
 
 __all__ = ["LARGEST_RADIUS", "Ball", "greatest_ball"]
 
@@ -47,9 +47,10 @@ def greatest_ball(A: Matrix, b: Vector, precision: Precision, most: float = LARG
     most : float
         Radius at which the search stops in a polyhedron that holds balls of any size.
     """
-    small = _of_few_rows(A, b, precision, most) if are_small(len(b), A.shape[1] + 1) else None
-    if small is not None:
-        return small
+    if are_small(len(b), A.shape[1] + 1):
+        small = greatest_radius(A, b, most, precision.lp)
+        if small is not None:
+            return Ball(small[:-1], float(small[-1]))
     n, lengths = A.shape[1], np.linalg.norm(A, axis=1)
     if float(np.min(b[lengths == 0], initial=np.inf)) < -precision.touch:
         return Ball(np.zeros(n), -LARGEST_RADIUS)
@@ -61,24 +62,6 @@ def greatest_ball(A: Matrix, b: Vector, precision: Precision, most: float = LARG
     if answer.status is LpStatus.UNBOUNDED:
         answer = _largest(rows, h / lengths, most, precision)
     return Ball(answer.w[:-1], float(answer.w[-1])) if answer.is_optimal else Ball(np.zeros(n), -np.inf)
-
-
-def _of_few_rows(A: Matrix, b: Vector, precision: Precision, most: float) -> Ball | None:
-    """The ball of few rows in few coordinates; None if a row has no coefficients or the answer is in doubt."""
-    m, n = A.shape
-    rows, costs, free = np.empty((m, n + 1)), np.zeros((1, n + 1)), np.full(n + 1, np.inf)
-    rows[:, :n] = A
-    rows[:, n] = lengths = np.sqrt(np.einsum("ij,ij->i", A, A))
-    if not m or not n or not lengths.min():
-        return None
-    costs[0, n] = 1.0
-    found = greatest_values(costs, rows, b, -free, free, precision.lp)
-    if found is not None and found.values[0] == np.inf:
-        free[n] = most
-        found = greatest_values(costs, rows, b, -free, free, precision.lp)
-    if found is None or not found.is_feasible:
-        return None
-    return Ball(found.points[0, :n], float(found.points[0, n]))
 
 
 def _largest(rows: Matrix, sides: Vector, radius: float, precision: Precision) -> LpResult:

@@ -8,9 +8,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hysdel_py.geometry.kernels.double_description import extreme_rays
-from hysdel_py.geometry.kernels.homogeneous import generated, homogeneous
+from hysdel_py.geometry.kernels.homogeneous import generated, homogeneous, sort
 
-__all__ = ["Cone", "across", "cone_of", "orthonormal", "points_and_ways"]
+__all__ = ["Cone", "across", "cone_of", "orthonormal", "points_and_ways", "sorted_order"]
 
 Vector = NDArray[np.float64]
 Matrix = NDArray[np.float64]
@@ -57,6 +57,15 @@ def cone_of(H: Matrix) -> Cone | None:
     if count < 0:
         return None
     return Cone(rays[:count], lines[: d - int(room[1][0])], bits[:count])
+
+
+def sorted_order(rows: Matrix, scale: Vector) -> NDArray[np.int64]:
+    """Order of rows, as far as nine digits of those in coordinates of the given sizes tell."""
+    if len(rows) > _MOST_RAYS:
+        return np.lexsort((rows / scale).round(9).T[::-1])
+    order = np.empty(len(rows), np.int64)
+    sort(np.array(rows, order="C"), np.array(scale), order)
+    return order
 
 
 def across(rows: Matrix, lines: Matrix) -> Matrix:

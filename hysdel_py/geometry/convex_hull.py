@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 
 from hysdel_py.errors import ArgumentError
 from hysdel_py.geometry.affine_hull import AffineHull, affine_hull
-from hysdel_py.geometry.cone import across, cone_of, orthonormal
+from hysdel_py.geometry.cone import across, cone_of, orthonormal, sorted_order
 from hysdel_py.geometry.generators import generators_of
 from hysdel_py.geometry.kernels.homogeneous import dual
 from hysdel_py.geometry.precision import Precision
@@ -54,7 +54,7 @@ def hull_rows(points: Matrix, rays: Matrix, lines: Matrix, precision: Precision)
     A = rows / sizes
     lengths = np.sqrt(np.einsum("ij,ij->i", A, A))
     A, b = A / lengths[:, None], (sides + A @ middle) / lengths
-    if not len(rays) and not len(lines) and np.min(np.max(np.abs(A), axis=0, initial=0.0)) < _LOST:
+    if not len(rays) and not len(lines) and len(A) and np.abs(A).max(axis=0).min() < _LOST:
         raise ArgumentError(
             f"the hull of points whose coordinates spread by {np.ptp(points, axis=0)} can't be told by rows: scale the "
             "coordinates"
@@ -75,7 +75,8 @@ def _few_rows(H: Matrix, points: int, rays: int) -> tuple[Matrix, Vector] | None
     real = np.einsum("ij,ij->i", facets, facets) > _NO_ROW**2
     if not real.all():
         facets, sides = facets[real], sides[real]
-    order = _order(facets, sides, H[points : points + rays, 1:].sum(axis=0))
+    inner = sides + facets @ H[points : points + rays, 1:].sum(axis=0) if rays else sides
+    order = sorted_order(facets / inner[:, None], np.ones(facets.shape[1]))  # that of the points of the polar
     if not len(equal):
         return facets[order], sides[order]
     return np.vstack([facets[order], equal, -equal]), np.concatenate([sides[order], np.zeros(2 * len(equal))])
@@ -90,14 +91,6 @@ def _rows_of_sliver(H: Matrix) -> tuple[Matrix, Vector] | None:
     turned = np.column_stack([np.ones(len(H)), shifted @ axes.T / sizes])
     found = _few_rows(turned / np.sqrt(np.einsum("ij,ij->i", turned, turned))[:, None], len(H), 0)
     return None if found is None else ((found[0] / sizes) @ axes, found[1])
-
-
-def _order(facets: Matrix, sides: Vector, back: Vector) -> NDArray[np.intp]:
-    """Order of the rows, by the points of the polar around an inner point."""
-    if len(facets) < 2:
-        return np.arange(len(facets))
-    inner = sides + facets @ back
-    return np.lexsort((facets / inner[:, None]).round(9).T[::-1])
 
 
 def _many_rows(H: Matrix, points: int, rays: int, lines: int, precision: Precision) -> tuple[Matrix, Vector]:

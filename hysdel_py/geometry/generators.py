@@ -18,10 +18,10 @@ from numpy.typing import NDArray
 
 from hysdel_py.errors import ArgumentError
 from hysdel_py.geometry.affine_hull import AffineHull, null_space
-from hysdel_py.geometry.cone import points_and_ways
+from hysdel_py.geometry.cone import points_and_ways, sorted_order
 from hysdel_py.geometry.precision import Precision
 
-__all__ = ["Generators", "few_generators_of", "generators_of", "sorted_rows"]
+__all__ = ["Generators", "few_generators_of", "generators_of"]
 
 Vector = NDArray[np.float64]
 Matrix = NDArray[np.float64]
@@ -98,23 +98,26 @@ def few_generators_of(A: Matrix, b: Vector, inside: Vector, precision: Precision
     if found is None:
         return None
     points, rays, lines, scale = found
-    return Generators(sorted_rows(points, scale), sorted_rows(rays, 1.0), lines)
+    return Generators(_sorted(points, scale), _sorted(rays, np.ones(len(scale))) if len(rays) else rays, lines)
 
 
-def sorted_rows(rows: Matrix, scale: Vector | float) -> Matrix:
-    """Rows in order, as far as nine digits of those in coordinates of the given sizes tell."""
-    return np.asarray(rows[np.lexsort((rows / scale).round(9).T[::-1])] + 0.0) if len(rows) > 1 else rows + 0.0
+def _sorted(rows: Matrix, scale: Vector) -> Matrix:
+    return np.asarray(rows[sorted_order(rows, scale)] + 0.0)
 
 
-def _distinct(rows: Matrix, scale: Vector | float) -> Matrix:
+def _distinct(rows: Matrix, scale: Vector) -> Matrix:
     """Rows in order, of those that are the same in coordinates of the given sizes one each."""
+    if not len(rows):
+        return rows
+    from scipy.spatial import cKDTree
+
+    rows = rows[np.lexsort((rows / scale).round(9).T[::-1])] + 0.0
     scaled = rows / scale
-    kept: list[int] = []
-    for i in np.lexsort(np.round(scaled, 9).T[::-1]) if len(rows) else ():
-        size = _SAME * (1.0 + float(np.max(np.abs(scaled[i]))))
-        if not kept or np.min(np.max(np.abs(scaled[kept] - scaled[i]), axis=1)) > size:
-            kept.append(int(i))
-    return np.asarray(rows[kept] + 0.0)
+    scaled /= 1.0 + np.abs(scaled).max(axis=1, keepdims=True)
+    again = np.ones(len(rows), dtype=bool)
+    pairs = cKDTree(scaled).query_pairs(_SAME, p=np.inf, output_type="ndarray")
+    again[pairs.max(axis=1)] = False
+    return np.asarray(rows[again])
 
 
 def _complement(lines: Matrix, dimension: int) -> Matrix:
@@ -133,7 +136,8 @@ def _pointed(G: Matrix, h: Vector) -> tuple[Matrix, Matrix]:
     facets = _polar_facets((G * scale) / h[:, None])
     far = facets.offsets <= _AT_INFINITY
     corners = (facets.normals[~far] / facets.offsets[~far, None]) * scale
-    sharp = _sharpened(G, h, corners, facets.rows[~far])
+    _, first = np.unique((corners / scale).round(12), axis=0, return_index=True)  # simplices of one facet are equal
+    sharp = _sharpened(G, h, corners[first], facets.rows[~far][first])
     return _distinct(sharp, scale), _distinct(_unit(facets.normals[far] * scale), 1.0)
 
 
@@ -177,4 +181,8 @@ def _sharpened(G: Matrix, h: Vector, corners: Matrix, rows: NDArray[np.intp]) ->
     real = (rows >= 0)[:, :, None]
     active = np.where(real, G[rows], 0.0)
     left = np.where(real[:, :, 0], h[rows] - np.einsum("kij,kj->ki", active, corners), 0.0)
-    return np.asarray(corners + np.einsum("kji,ki->kj", np.linalg.pinv(active, rcond=_RANK), left))
+    whole = real.all(axis=(1, 2)) & (np.linalg.cond(active) < 1.0 / _RANK)
+    move = np.empty_like(corners)
+    move[whole] = np.linalg.solve(active[whole], left[whole][:, :, None])[:, :, 0]
+    move[~whole] = np.einsum("kji,ki->kj", np.linalg.pinv(active[~whole], rcond=_RANK), left[~whole])
+    return np.asarray(corners + move)

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
+from math import isfinite
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -53,10 +54,13 @@ class Polyhedron:
         return f"<Polyhedron in {self.n} coordinates, {self.m} rows>"
 
     def __post_init__(self) -> None:
-        A, b = np.array(self.A, dtype=float), np.array(self.b, dtype=float)
+        A, b = np.array(self.A, dtype=float, order="C"), np.array(self.b, dtype=float)
         if A.ndim != 2 or b.shape != (A.shape[0],):
             raise ArgumentError(f"A has shape {A.shape} and b {b.shape}: (m, n) and (m,) were expected")
-        if not np.isfinite(A).all() or np.isnan(b).any():
+        # A sum is finite only if its terms are: one look at most arrays instead of one at each entry.
+        if not isfinite(np.add.reduce(A, None) + np.add.reduce(b)) and not (
+            np.isfinite(A).all() and not np.isnan(b).any()
+        ):
             raise ArgumentError("A and b must be numbers, and A finite")
         for name, array in (("A", A), ("b", b)):
             array.setflags(write=False)
@@ -90,8 +94,10 @@ class Polyhedron:
         if not corners.size:
             raise ArgumentError("a convex hull needs at least one point; for an empty set use Polyhedron.empty(n)")
         n = corners.shape[1]
-        ways, axes = (np.asarray(part, dtype=float).reshape(-1, n) for part in (rays, lines))
-        if not all(np.isfinite(part).all() for part in (corners, ways, axes)):
+        ways, axes = (np.array(part, dtype=float).reshape(-1, n) for part in (rays, lines))
+        if not isfinite(sum(np.add.reduce(part, None) for part in (corners, ways, axes))) and not all(
+            np.isfinite(part).all() for part in (corners, ways, axes)
+        ):
             raise ArgumentError("points, rays and lines must be finite numbers")
         return cls(*hull_rows(corners, ways, axes, precision), precision)
 
@@ -258,7 +264,7 @@ class Polyhedron:
     @cached_property
     def volume(self) -> float:
         """Volume: 0 for a flat polyhedron, infinity for an unbounded one with inner points."""
-        if self.dimension < self.n:
+        if self.ball.radius <= self.precision.empty:
             return 0.0
         found = self.generators
         return float("inf") if len(found.rays) or len(found.lines) else hull_volume(found.points)

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from hysdel_py.geometry.kernels.linear_program import INFEASIBLE, OPTIMAL
 from hysdel_py.geometry.kernels.programs import maximised, screened
 
-__all__ = ["GreatestValues", "are_small", "greatest_values", "needed_among"]
+__all__ = ["GreatestValues", "are_small", "greatest_radius", "greatest_values", "needed_among"]
 
 Vector = NDArray[np.float64]
 Matrix = NDArray[np.float64]
@@ -18,6 +18,7 @@ Matrix = NDArray[np.float64]
 _MOST_VARIABLES = 20
 _MOST_ENTRIES = 5000
 _NO_MARGIN = -1.0
+_TOLD = (OPTIMAL, INFEASIBLE)
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -59,13 +60,47 @@ def greatest_values(
     tolerance : float
         By which unit rows may be exceeded, and values miss their bounds, relative to 1 and their size.
     """
+    given = np.array(costs, dtype=float, order="C"), np.array(A, dtype=float, order="C"), np.array(b, dtype=float)
+    return _greatest_values(*given, np.array(lb, dtype=float), np.array(ub, dtype=float), tolerance)
+
+
+def greatest_radius(A: Matrix, b: Vector, most: float, tolerance: float) -> Vector | None:
+    """Centre and radius of a greatest ball in ``A w <= b``, together in one array.
+
+    None if there are no rows or no coordinates, if a row has no coefficients, or if the answer does not stand the check.
+
+    Parameters
+    ----------
+    A, b : arrays of shapes (m, n) and (m,)
+    most : float
+        The radius where it could grow without end.
+    tolerance : float
+        As of :func:`greatest_values`.
+    """
+    m, n = A.shape
+    rows, costs, free = np.empty((m, n + 1)), np.zeros((1, n + 1)), np.empty(n + 1)
+    rows[:, :n] = A
+    rows[:, n] = lengths = np.sqrt(np.einsum("ij,ij->i", A, A))
+    if not m or not n or not np.minimum.reduce(lengths):
+        return None
+    free.fill(np.inf)
+    costs[0, n] = 1.0
+    sides = np.array(b, dtype=float)
+    found = _greatest_values(costs, rows, sides, -free, free, tolerance)
+    if found is not None and found.values[0] == np.inf:
+        free[n] = most
+        found = _greatest_values(costs, rows, sides, -free, free, tolerance)
+    return None if found is None or not found.is_feasible else found.points[0]
+
+
+def _greatest_values(
+    costs: Matrix, A: Matrix, b: Vector, lb: Vector, ub: Vector, tolerance: float
+) -> GreatestValues | None:
+    """As :func:`greatest_values`, of arrays that the kernel can take as they are."""
     (m, n), k = A.shape, len(costs)
     W, Y, values, bounds = np.empty((k, n)), np.empty((k, m)), np.zeros(k), np.empty(k)
-    status = maximised(
-        np.array(costs, dtype=float, order="C"), np.array(A, dtype=float, order="C"), np.array(b, dtype=float),
-        np.array(lb, dtype=float), np.array(ub, dtype=float), tolerance, _NO_MARGIN, W, Y, values, bounds, *_room(m, n)
-    )  # fmt: skip
-    return GreatestValues(status == OPTIMAL, W, Y, values, bounds) if status in (OPTIMAL, INFEASIBLE) else None
+    status = maximised(costs, A, b, lb, ub, tolerance, _NO_MARGIN, W, Y, values, bounds, *_room(m, n))
+    return GreatestValues(status == OPTIMAL, W, Y, values, bounds) if status in _TOLD else None
 
 
 def needed_among(

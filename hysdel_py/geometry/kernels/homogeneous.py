@@ -12,7 +12,7 @@ import numpy as np
 
 from hysdel_py.compiled import leaf, step
 
-__all__ = ["dual", "generated", "homogeneous"]
+__all__ = ["dual", "generated", "homogeneous", "sort"]
 
 _ROUNDS = 2
 _NOISE = 1e-15
@@ -103,6 +103,28 @@ def homogeneous(A: Any, b: Any, least: float, point: Any, scale: Any, margin: An
     for j in range(n):
         H[m, j + 1] = 0.0
     return True
+
+
+@step
+def _digits(value: float, size: float) -> float:
+    return np.rint(value / size * 1e9)
+
+
+@leaf
+def sort(rows: Any, scale: Any, order: Any) -> None:
+    """Fill in the order of rows, by nine digits of their entries in coordinates of given sizes; equal ones stay."""
+    for k in range(len(rows)):
+        place = k
+        while place > 0:
+            before = order[place - 1]
+            j = 0
+            while j < rows.shape[1] - 1 and _digits(rows[k, j], scale[j]) == _digits(rows[before, j], scale[j]):
+                j += 1
+            if not _digits(rows[k, j], scale[j]) < _digits(rows[before, j], scale[j]):
+                break
+            order[place] = before
+            place -= 1
+        order[place] = k
 
 
 @leaf
