@@ -17,7 +17,7 @@ Matrix = NDArray[np.float64]
 
 _MOST_RAYS = 300
 """With more rays than this Qhull takes less time."""
-_MOST_WORK = 1e6
+_MOST_WORK = 3e5
 _MISS = 1e-10
 """A vertex that misses a row by more than this is none, and the method has gone astray."""
 

@@ -20,7 +20,7 @@ Matrix = NDArray[np.float64]
 _LOST = 1e-9
 """A coordinate with less than this in all rows of unit length is lost in linear programs: the set has no end there."""
 
-_FEW_POINTS = 100
+_FEW_POINTS = 40
 _THINNEST = 1e-12
 """Points that are thinner than this along some direction, relative to their size, are left to Qhull."""
 

@@ -31,6 +31,7 @@ _AT_INFINITY = 1e-10
 _SAME = 1e-8
 """Generators closer than this, relative to their size, are one."""
 _RANK = 1e-9
+_TOLD = 1e-6
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -181,8 +182,13 @@ def _sharpened(G: Matrix, h: Vector, corners: Matrix, rows: NDArray[np.intp]) ->
     real = (rows >= 0)[:, :, None]
     active = np.where(real, G[rows], 0.0)
     left = np.where(real[:, :, 0], h[rows] - np.einsum("kij,kj->ki", active, corners), 0.0)
-    whole = real.all(axis=(1, 2)) & (np.linalg.cond(active) < 1.0 / _RANK)
+    is_corner = real.all(axis=(1, 2)) & _are_told_by(active)
     move = np.empty_like(corners)
-    move[whole] = np.linalg.solve(active[whole], left[whole][:, :, None])[:, :, 0]
-    move[~whole] = np.einsum("kji,ki->kj", np.linalg.pinv(active[~whole], rcond=_RANK), left[~whole])
+    move[is_corner] = np.linalg.solve(active[is_corner], left[is_corner][:, :, None])[:, :, 0]
+    move[~is_corner] = np.einsum("kji,ki->kj", np.linalg.pinv(active[~is_corner], rcond=_RANK), left[~is_corner])
     return np.asarray(corners + move)
+
+
+def _are_told_by(active: Matrix) -> NDArray[np.bool_]:
+    """Whether n rows each are clearly independent, by their determinants over the product of their lengths."""
+    return np.asarray(np.abs(np.linalg.det(active)) > _TOLD * np.linalg.norm(active, axis=2).prod(axis=1))

@@ -139,7 +139,7 @@ class Polyhedron:
     @cached_property
     def lengths(self) -> Vector:
         """Euclidean lengths of the normals."""
-        return np.asarray(np.linalg.norm(self.A, axis=1))
+        return np.asarray(np.sqrt(np.einsum("ij,ij->i", self.A, self.A)))
 
     def maximise(self, direction: ArrayLike) -> LpResult:
         """Support function: the greatest value of ``direction'w`` and where it is attained."""
@@ -186,6 +186,8 @@ class Polyhedron:
     def _unit(self) -> tuple[Matrix, Vector]:
         """Rows of unit length, without those that have no coefficients or no finite side."""
         real = (self.lengths > 0) & np.isfinite(self.b)
+        if real.all():
+            return self.A / self.lengths[:, None], self.b / self.lengths
         return self.A[real] / self.lengths[real, None], self.b[real] / self.lengths[real]
 
     def normalised(self) -> Polyhedron:
@@ -239,7 +241,7 @@ class Polyhedron:
         if self.is_empty:
             none = np.zeros((0, self.n))
             return Generators(none, none, none)
-        few = few_generators_of(self.A, self.b, self._inside, self.precision)
+        few = few_generators_of(*self._unit, self._inside, self.precision)
         return generators_of(*self._unit, self.affine_hull) if few is None else few
 
     @property

@@ -15,6 +15,8 @@ from hysdel_py.compiled import leaf, step
 __all__ = ["dual", "generated", "homogeneous", "sort"]
 
 _ROUNDS = 2
+_ALONG = 1e-9
+"""A row of unit length with less than this of a coordinate is no end of it."""
 _NOISE = 1e-15
 """What sums of a few terms are off by, relative to the sizes of the terms."""
 _AT_INFINITY = 1e-10
@@ -32,9 +34,11 @@ def _middle(A: Any, margin: Any, point: Any, j: int, least: float, size: float) 
     """
     up = down = np.inf
     for i in range(len(A)):
+        if abs(A[i, j]) <= _ALONG:
+            continue
         if A[i, j] > 0.0:
             up = min(up, max(margin[i], 0.0) / A[i, j])
-        elif A[i, j] < 0.0:
+        else:
             down = min(down, max(margin[i], 0.0) / -A[i, j])
     if up < np.inf and down < np.inf:
         move, half = (up - down) / 2.0, (up + down) / 2.0
@@ -57,6 +61,7 @@ def homogeneous(A: Any, b: Any, least: float, point: Any, scale: Any, margin: An
     Parameters
     ----------
     A, b : arrays of shapes (m, n) and (m,)
+        Rows of about unit length.
     least : float
         Room that counts, of a row of unit length.
     point : array of shape (n,)
