@@ -73,7 +73,13 @@ def cross(n: int, inside: int, seed: int) -> Case:
     signs, corners = np.array(list(product([1.0, -1.0], repeat=n))), np.vstack([np.eye(n), -np.eye(n)])
     if inside == n:
         return Case(
-            f"cross-polytope in {n}", signs, np.ones(len(signs)), corners, 2.0**n / factorial(n), len(signs), kept=(0, 1)
+            f"cross-polytope in {n}",
+            signs,
+            np.ones(len(signs)),
+            corners,
+            2.0**n / factorial(n),
+            len(signs),
+            kept=(0, 1),
         )
     frame = np.linalg.qr(np.random.default_rng(seed).normal(size=(inside, inside)))[0]
     flat, across = frame[:n], frame[n:]

@@ -109,7 +109,11 @@ def holds_vertices(case: Case, found: Any) -> bool:
     """Whether the points lie in the set, n rows hold at each, and their greatest values are those of the set."""
     points = np.asarray(found, dtype=float)
     slack = case.b - points @ case.A.T
-    if len(points) != count_vertices(case) or slack.min() < -SHARE or np.any(np.sum(slack <= SHARE, axis=1) < case.A.shape[1]):
+    if (
+        len(points) != count_vertices(case)
+        or slack.min() < -SHARE
+        or np.any(np.sum(slack <= SHARE, axis=1) < case.A.shape[1])
+    ):
         return False
     for row in np.random.default_rng(0).normal(size=(20, case.A.shape[1])):
         best = -linprog(-row, case.A, case.b, bounds=(None, None), method="highs-ds").fun
@@ -176,7 +180,9 @@ def outcome(name: str, operation: str, case: Case, wanted: Any, repeat: int, lim
     if operation not in TOOLS[name]():
         return Outcome("-")
     ours, theirs = multiprocessing.Pipe(duplex=False)
-    process = multiprocessing.get_context("fork").Process(target=_answered, args=(theirs, name, operation, case, repeat))
+    process = multiprocessing.get_context("fork").Process(
+        target=_answered, args=(theirs, name, operation, case, repeat)
+    )
     process.start()
     try:
         if not ours.poll(limit * repeat):
@@ -285,7 +291,12 @@ def _ratios(
     yield f"{f'time / hysdel_py, {title}':39}" + "".join(f"{name:>11}" for name in names)
     for operation in (*OPERATIONS, "all"):
         cells = [
-            [pair for (done, tool), some in times.items() if tool == name and operation in (done, "all") for pair in some]
+            [
+                pair
+                for (done, tool), some in times.items()
+                if tool == name and operation in (done, "all")
+                for pair in some
+            ]
             for name in names
         ]
         if any(cells):

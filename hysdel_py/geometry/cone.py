@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from hysdel_py.compiled import kernels_are_compiled
 from hysdel_py.geometry.kernels.double_description import extreme_rays
 from hysdel_py.geometry.kernels.homogeneous import generated, homogeneous, sort
 
@@ -18,6 +19,7 @@ Matrix = NDArray[np.float64]
 _MOST_RAYS = 300
 """With more rays than this Qhull takes less time."""
 _MOST_WORK = 3e5
+_MOST_ROWS, _MOST_ROWS_PLAIN = 1000, 12
 _MISS = 1e-10
 """A vertex that misses a row by more than this is none, and the method has gone astray."""
 
@@ -50,6 +52,8 @@ def cone_of(H: Matrix) -> Cone | None:
         Rows of about unit length.
     """
     m, d = H.shape
+    if m > (_MOST_ROWS if kernels_are_compiled() else _MOST_ROWS_PLAIN):
+        return None
     lines, rays = np.empty((d, d)), np.empty((_MOST_RAYS, d))
     bits = np.zeros((_MOST_RAYS, (m + 63) // 64), np.uint64)
     room = np.empty(_MOST_RAYS), np.empty(_MOST_RAYS, np.int64), np.empty((_MOST_RAYS, 2), np.int64)
@@ -61,7 +65,7 @@ def cone_of(H: Matrix) -> Cone | None:
 
 def sorted_order(rows: Matrix, scale: Vector) -> NDArray[np.int64]:
     """Order of rows, as far as nine digits of those in coordinates of the given sizes tell."""
-    if len(rows) > _MOST_RAYS:
+    if len(rows) > _MOST_RAYS or not kernels_are_compiled():
         return np.lexsort((rows / scale).round(9).T[::-1])
     order = np.empty(len(rows), np.int64)
     sort(np.array(rows, order="C"), np.array(scale), order)
@@ -90,6 +94,8 @@ def points_and_ways(A: Matrix, b: Vector, inside: Vector, least: float) -> tuple
     least : float
         Rows of unit length with less room at a point of the set, but more than rounding errors, leave a doubt.
     """
+    if not kernels_are_compiled():
+        return None  # Qhull takes less time than the loops
     rows, sides, n = np.array(A, order="C"), np.array(b), A.shape[1]
     found = _around(rows, sides, np.array(inside), np.ones(n), least)
     if found is None or not len(found[1]) or len(found[0]) < 2:

@@ -46,7 +46,15 @@ def hull_rows(points: Matrix, rays: Matrix, lines: Matrix, precision: Precision)
     if not n:
         return np.zeros((0, 0)), np.zeros(0)
     middle, sizes, H = np.empty(n), np.empty(n), np.empty((len(points) + len(rays) + 2 * len(lines), n + 1))
-    dual(np.array(points, order="C"), np.array(rays, order="C"), np.array(lines, order="C"), precision.empty, middle, sizes, H)
+    dual(
+        np.array(points, order="C"),
+        np.array(rays, order="C"),
+        np.array(lines, order="C"),
+        precision.empty,
+        middle,
+        sizes,
+        H,
+    )
     found = _few_rows(H, len(points), len(rays))
     if found is None and len(points) == len(H) <= _FEW_POINTS:
         found = _rows_of_sliver(H)

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from hysdel_py.compiled import kernels_are_compiled
 from hysdel_py.geometry.kernels.linear_program import INFEASIBLE, OPTIMAL
 from hysdel_py.geometry.kernels.programs import maximised, screened
 
@@ -17,6 +18,8 @@ Matrix = NDArray[np.float64]
 
 _MOST_VARIABLES = 20
 _MOST_ENTRIES = 5000
+_MOST_ENTRIES_PLAIN = 8
+"""Without a compiler the loops of the kernels lose against PIQP from here on."""
 _NO_MARGIN = -1.0
 _TOLD = (OPTIMAL, INFEASIBLE)
 
@@ -43,7 +46,7 @@ class GreatestValues:
 
 def are_small(m: int, n: int) -> bool:
     """Whether programs of m rows and n variables are solved fastest here."""
-    return 0 < n <= _MOST_VARIABLES and m * n <= _MOST_ENTRIES
+    return 0 < n <= _MOST_VARIABLES and m * n <= (_MOST_ENTRIES if kernels_are_compiled() else _MOST_ENTRIES_PLAIN)
 
 
 def greatest_values(

@@ -178,7 +178,8 @@ def _placed(inverse: Any, basis: Any, h: Any, m: int, lb: Any, ub: Any, near: An
 
 @step
 def _refined(
-    inverse: Any, basis: Any, G: Any, h: Any, m: int, lb: Any, ub: Any, near: Any, normal: Any, rest: Any) -> None:
+    inverse: Any, basis: Any, G: Any, h: Any, m: int, lb: Any, ub: Any, near: Any, normal: Any, rest: Any
+) -> None:
     """One step against the rounding errors of the point."""
     n = len(basis)
     for k in range(n):

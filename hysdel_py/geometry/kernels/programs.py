@@ -160,9 +160,7 @@ def _met_first(G: Any, h: Any, count: int, inside: Any, point: int, distance: An
 
 
 @leaf
-def screened(
-    A: Any, b: Any, inside: Any, parallel: float, G: Any, h: Any, rows: Any, distance: Any, known: Any
-) -> int:
+def screened(A: Any, b: Any, inside: Any, parallel: float, G: Any, h: Any, rows: Any, distance: Any, known: Any) -> int:
     """Rows of unit length that may be needed, with their numbers, and which of them surely are; how many there are.
 
     Parameters
