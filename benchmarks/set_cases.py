@@ -103,7 +103,7 @@ def pyramid(sides: int, *, base: bool) -> Case:
 
 
 def cyclic(count: int, n: int) -> Case:
-    """Points on the curve (cos t, sin t, cos 2t, sin 2t): every two of them are neighbours; rows by Gale's condition."""
+    """Points on the curve (cos t, sin t, cos 2t, sin 2t): all of them are neighbours; rows by Gale's condition."""
     angle = 2 * np.pi * np.arange(count) / count
     points = np.column_stack([f(k * angle) for k in range(1, n // 2 + 1) for f in (np.cos, np.sin)])
     rows, sides = [], []

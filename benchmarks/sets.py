@@ -17,6 +17,7 @@ import multiprocessing
 import time
 import warnings
 from collections.abc import Callable, Iterator
+from contextlib import suppress
 from dataclasses import dataclass
 from typing import Any
 
@@ -201,10 +202,8 @@ def outcome(name: str, operation: str, case: Case, wanted: Any, repeat: int, lim
 def _answered(pipe: Any, name: str, operation: str, case: Case, repeat: int) -> None:
     """Send the least time of some calls, and the answer; first a call on a square that does not count."""
     run = TOOLS[name]()[operation]
-    try:
+    with suppress(Exception):
         timed(run, arguments(operation, UNIT, np.vstack([np.eye(2), -np.eye(2)]), np.array([1.0, 1, 0, 0]), (0,)))
-    except Exception:
-        pass
     given = arguments(operation, case.points, case.A, case.b, case.kept)
     try:
         tries = [timed(run, given)]

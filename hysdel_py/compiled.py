@@ -29,7 +29,7 @@ def leaf(function: F) -> F:
 
 
 def step(function: F) -> F:
-    """A leaf that other kernels alone call: without the way in from Python, which takes as long to compile as itself."""
+    """A leaf that only kernels call: without the way in from Python, which takes as long to compile as itself."""
     return _compile(function, _nrt=False, no_cpython_wrapper=True, no_cfunc_wrapper=True)
 
 

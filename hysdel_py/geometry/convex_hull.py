@@ -73,7 +73,7 @@ def hull_rows(points: Matrix, rays: Matrix, lines: Matrix, precision: Precision)
 def _few_rows(H: Matrix, points: int, rays: int) -> tuple[Matrix, Vector] | None:
     """Rows of the hull in round coordinates; None as of :func:`cone_of`.
 
-    The rows ``a'w <= b`` that hold for all generators are a cone; its extreme rays are the facets, its lines equalities.
+    The rows ``a'w <= b`` that hold for all generators are a cone: its extreme rays are facets, its lines equalities.
     """
     cone = cone_of(H)
     if cone is None:

@@ -139,7 +139,7 @@ def _pointed(G: Matrix, h: Vector) -> tuple[Matrix, Matrix]:
     corners = (facets.normals[~far] / facets.offsets[~far, None]) * scale
     _, first = np.unique((corners / scale).round(12), axis=0, return_index=True)  # simplices of one facet are equal
     sharp = _sharpened(G, h, corners[first], facets.rows[~far][first])
-    return _distinct(sharp, scale), _distinct(_unit(facets.normals[far] * scale), 1.0)
+    return _distinct(sharp, scale), _distinct(_unit(facets.normals[far] * scale), np.ones(len(scale)))
 
 
 def _scale(G: Matrix, h: Vector) -> Vector:

@@ -197,7 +197,7 @@ def _dense(A: Any) -> NDArray[np.float64]:
 
 def _with_simplex(lp: Lp, precision: Precision) -> LpResult | None:
     """Answer of the simplex method if it stands the check, else None."""
-    found = greatest_values(lp.c[None], _dense(lp.A), lp.b, lp.lb, lp.ub, precision.lp)
+    found = greatest_values(lp.c[None], _dense(lp.A), lp.b, lp.lb, lp.ub, tolerance=precision.lp)
     if found is None:
         return None
     if not found.is_feasible:

@@ -315,7 +315,7 @@ class Polyhedron:
         if not are_small(*self.A.shape):
             return None
         free = np.full(self.n, np.inf)
-        found = greatest_values(directions, self.A, self.b, -free, free, self.precision.lp)
+        found = greatest_values(directions, self.A, self.b, -free, free, tolerance=self.precision.lp)
         return found.values if found is not None and found.is_feasible else None
 
     def preimage(self, M: ArrayLike, t: ArrayLike = 0.0) -> Polyhedron:

@@ -34,7 +34,9 @@ def irredundant_rows(A: Matrix, b: Vector, inside: Matrix, solver: LpSolver) -> 
     """
     precision = solver.precision
     if are_small(*A.shape):
-        found = needed_among(A, b, inside, precision.parallel, precision.redundant, precision.lp)
+        found = needed_among(
+            A, b, inside, parallel=precision.parallel, margin=precision.redundant, tolerance=precision.lp
+        )
         if found is not None:
             solver.solved += found[1]
             return found[0]

@@ -50,7 +50,7 @@ def are_small(m: int, n: int) -> bool:
 
 
 def greatest_values(
-    costs: Matrix, A: Matrix, b: Vector, lb: Vector, ub: Vector, tolerance: float
+    costs: Matrix, A: Matrix, b: Vector, lb: Vector, ub: Vector, *, tolerance: float
 ) -> GreatestValues | None:
     """Greatest value of each row of costs over ``A w <= b, lb <= w <= ub``; None unless all answers stand the check.
 
@@ -64,13 +64,14 @@ def greatest_values(
         By which unit rows may be exceeded, and values miss their bounds, relative to 1 and their size.
     """
     given = np.array(costs, dtype=float, order="C"), np.array(A, dtype=float, order="C"), np.array(b, dtype=float)
-    return _greatest_values(*given, np.array(lb, dtype=float), np.array(ub, dtype=float), tolerance)
+    return _greatest_values(*given, np.array(lb, dtype=float), np.array(ub, dtype=float), tolerance=tolerance)
 
 
 def greatest_radius(A: Matrix, b: Vector, most: float, tolerance: float) -> Vector | None:
     """Centre and radius of a greatest ball in ``A w <= b``, together in one array.
 
-    None if there are no rows or no coordinates, if a row has no coefficients, or if the answer does not stand the check.
+    None if there are no rows or no coordinates, if a row has no coefficients, or if the answer does not stand the
+    check.
 
     Parameters
     ----------
@@ -89,15 +90,15 @@ def greatest_radius(A: Matrix, b: Vector, most: float, tolerance: float) -> Vect
     free.fill(np.inf)
     costs[0, n] = 1.0
     sides = np.array(b, dtype=float)
-    found = _greatest_values(costs, rows, sides, -free, free, tolerance)
+    found = _greatest_values(costs, rows, sides, -free, free, tolerance=tolerance)
     if found is not None and found.values[0] == np.inf:
         free[n] = most
-        found = _greatest_values(costs, rows, sides, -free, free, tolerance)
+        found = _greatest_values(costs, rows, sides, -free, free, tolerance=tolerance)
     return None if found is None or not found.is_feasible else found.points[0]
 
 
 def _greatest_values(
-    costs: Matrix, A: Matrix, b: Vector, lb: Vector, ub: Vector, tolerance: float
+    costs: Matrix, A: Matrix, b: Vector, lb: Vector, ub: Vector, *, tolerance: float
 ) -> GreatestValues | None:
     """As :func:`greatest_values`, of arrays that the kernel can take as they are."""
     (m, n), k = A.shape, len(costs)
@@ -107,7 +108,7 @@ def _greatest_values(
 
 
 def needed_among(
-    A: Matrix, b: Vector, inside: Matrix, parallel: float, margin: float, tolerance: float
+    A: Matrix, b: Vector, inside: Matrix, *, parallel: float, margin: float, tolerance: float
 ) -> tuple[tuple[int, ...], int] | None:
     """Rows that can't be left out, in their order, and how many linear programs it took to tell.
 

@@ -49,7 +49,7 @@ def drawn_program(seed, n, m, *, whole):
 @given(seeds, st.integers(1, 6), st.integers(0, 25), st.booleans())
 def test_programs_have_the_status_and_the_value_of_highs(seed, n, m, whole):
     c, G, h, low, high = drawn_program(seed, n, m, whole=whole)
-    found = greatest_values(c[None], G, h, low, high, 1e-9)
+    found = greatest_values(c[None], G, h, low, high, tolerance=1e-9)
     rows = (G, h) if len(G) else (None, None)
     wanted = linprog(-c, *rows, bounds=np.column_stack([low, high]), method="highs-ds", options={"presolve": False})
     if found is None:
@@ -66,7 +66,7 @@ def test_programs_have_the_status_and_the_value_of_highs(seed, n, m, whole):
 
 def test_programs_are_rarely_in_doubt():
     drawn = [drawn_program(seed, 1 + seed % 6, seed % 25, whole=seed % 2 == 0) for seed in range(300)]
-    answers = [greatest_values(c[None], G, h, low, high, 1e-9) for c, G, h, low, high in drawn]
+    answers = [greatest_values(c[None], G, h, low, high, tolerance=1e-9) for c, G, h, low, high in drawn]
     assert sum(answer is None for answer in answers) <= 3
 
 
@@ -234,9 +234,10 @@ rng = np.random.default_rng(7)
 for k in range(12):
     n = 1 + k % 3
     G, h = rng.normal(size=(6, n)), rng.random(6) + 0.1
-    found = greatest_values(rng.normal(size=(2, n)), G, h, np.full(n, -9.0), np.full(n, 9.0), 1e-9)
+    found = greatest_values(rng.normal(size=(2, n)), G, h, np.full(n, -9.0), np.full(n, 9.0), tolerance=1e-9)
     cone = cone_of(np.vstack([np.column_stack([h, -G]), np.eye(n + 1)[:1]]))
-    print(np.round(found.values, 9) + 0.0, needed_among(G, h, np.zeros((1, n)), 1e-12, 1e-9, 1e-9)[0])
+    print(np.round(found.values, 9) + 0.0)
+    print(needed_among(G, h, np.zeros((1, n)), parallel=1e-12, margin=1e-9, tolerance=1e-9)[0])
     print(np.round(cone.rays, 9) + 0.0, cone.bits.ravel(), len(cone.lines))
 """
 

@@ -217,7 +217,7 @@ def _stands(H: Any, rays: Any, bits: Any, count: int) -> bool:
 @step
 def _started(H: Any, lines: Any, rays: Any, bits: Any, used: Any, pair: Any) -> int:
     """The rays of the cone of some independent rows; what is left of the lines stays. How many rays, or UNSURE."""
-    d = H.shape[1]
+    d: int = H.shape[1]
     for j in range(d):
         for k in range(d):
             lines[j, k] = 1.0 if j == k else 0.0
@@ -226,7 +226,7 @@ def _started(H: Any, lines: Any, rays: Any, bits: Any, used: Any, pair: Any) -> 
         if most < _CLEAR:
             return count if most <= _ZERO else UNSURE
         _made_ray(H, lines, d - count, pair, rays, count)
-        row = pair[0]
+        row = int(pair[0])
         for i in range(len(H)):
             if used[i]:
                 bits[count, i >> 6] |= _ONE << np.uint64(i & 63)

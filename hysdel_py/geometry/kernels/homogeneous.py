@@ -112,7 +112,7 @@ def homogeneous(A: Any, b: Any, least: float, point: Any, scale: Any, margin: An
 
 @step
 def _digits(value: float, size: float) -> float:
-    return np.rint(value / size * 1e9)
+    return float(np.rint(value / size * 1e9))
 
 
 @leaf

@@ -4,8 +4,8 @@
 
 A basis holds n constraints that meet in one point: rows and ends of variables. It starts with the ends that suit the
 costs, where the multipliers have the right sign, and keeps that sign: the row that the point exceeds most enters, the
-one whose multiplier reaches zero first leaves (C. E. Lemke, "The dual method of solving the linear programming problem",
-Naval Research Logistics Quarterly 1, 1954). A missing end lies at M, greater than any number: points and
+one whose multiplier reaches zero first leaves (C. E. Lemke, "The dual method of solving the linear programming
+problem", Naval Research Logistics Quarterly 1, 1954). A missing end lies at M, greater than any number: points and
 sides have a finite part and one that counts M, hence unbounded programs need no guess of how large is large.
 """
 
@@ -131,7 +131,7 @@ def _side_of(constraint: int, h: Any, m: int, lb: Any, ub: Any) -> tuple[float, 
 
 @step
 def _leaving(price: Any, share: Any) -> int:
-    """The constraint whose multiplier reaches zero first; of those that do so at nearly once the one that enters most."""
+    """The constraint whose multiplier reaches zero first; of those that nearly do the one that enters most."""
     least = np.inf
     for k in range(len(price)):
         if share[k] > _PIVOT:

@@ -220,7 +220,7 @@ def maximised(
     basis, rows, inverse, space, G, sides : arrays of shapes (n,) and (m,) of int, (n, n), (5, n), (m, n) and (2, m)
         Room to work in.
     """
-    m, n = A.shape
+    n = A.shape[1]
     h, prices = sides[0], sides[1]
     count = _unit_rows(A, b, G, h, rows, 0.0)
     if count < 0:
