@@ -289,6 +289,8 @@ class Polyhedron:
             raise ArgumentError(f"each coordinate can be kept once; found {list(coordinates)}")
         if self.is_empty:
             return Polyhedron.empty(len(kept), self.precision)
+        if len(kept) == self.n:
+            return Polyhedron(self.A[:, kept], self.b, self.precision).minimal()
         shadow = self._shadow_of_generators(kept)
         if shadow is not None:
             return shadow
@@ -298,11 +300,11 @@ class Polyhedron:
 
     def _shadow_of_generators(self, kept: list[int]) -> Polyhedron | None:
         """The projection as the hull of projected vertices, where these are had cheaply; of one coordinate its ends."""
-        if len(kept) == 1 and self.n > 1:
+        if len(kept) == 1:
             eye = np.eye(self.n)[kept]
             found = self._greatest(np.vstack([eye, -eye]))
             return None if found is None else Polyhedron.box(-found[1:], found[:1], self.precision)
-        if not kept or len(kept) == self.n or self.n > _EASY_VERTICES:
+        if not kept or self.n > _EASY_VERTICES:
             return None
         try:
             points, rays, lines = self.generators.points, self.generators.rays, self.generators.lines
