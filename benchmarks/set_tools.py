@@ -22,7 +22,7 @@ def of_hysdel() -> dict[str, Callable[..., Any]]:
         "volume": lambda A, b: hys.Polyhedron(A, b).volume,
         "minimal": lambda A, b: hys.Polyhedron(A, b).minimal().m,
         "hull": lambda V: _rows(hys.Polyhedron.hull(V)),
-        "project": lambda A, b: _rows(hys.Polyhedron(A, b).project([0])),
+        "project": lambda A, b, kept: _rows(hys.Polyhedron(A, b).project(kept.tolist())),
     }
 
 
@@ -48,7 +48,7 @@ def of_polytope() -> dict[str, Callable[..., Any]]:
         "volume": lambda A, b: pc.volume(made(A, b)),
         "minimal": lambda A, b: len(pc.reduce(made(A, b)).b),
         "hull": lambda V: _rows(pc.qhull(V)),
-        "project": lambda A, b: _rows(made(A, b).project([1])),
+        "project": lambda A, b, kept: _rows(made(A, b).project((kept + 1).tolist())),
     }
 
 
@@ -56,10 +56,10 @@ def of_pypoman() -> dict[str, Callable[..., Any]]:
     """The operations of pypoman."""
     import pypoman
 
-    def project(A: Array, b: Array) -> tuple[Array, Array]:
-        E = np.eye(A.shape[1])[:1]
-        points = np.array(pypoman.project_polytope((E, np.zeros(1)), (A, b), method="cdd"))
-        return pypoman.compute_polytope_halfspaces(list(points.reshape(-1, 1)))
+    def project(A: Array, b: Array, kept: Array) -> tuple[Array, Array]:
+        E = np.eye(A.shape[1])[kept]
+        points = np.array(pypoman.project_polytope((E, np.zeros(len(kept))), (A, b), method="cdd"))
+        return pypoman.compute_polytope_halfspaces(list(points.reshape(-1, len(kept))))
 
     return {
         "vertices": lambda A, b: np.array(pypoman.compute_polytope_vertices(A, b)),
@@ -107,9 +107,10 @@ def of_cdd() -> dict[str, Callable[..., Any]]:
         cdd.matrix_canonicalize(given)
         return len(given.array)
 
-    def project(A: Array, b: Array) -> tuple[Array, Array]:
+    def project(A: Array, b: Array, kept: Array) -> tuple[Array, Array]:
         given = matrix(A, b)
-        return sides(cdd.block_elimination(given, set(range(2, A.shape[1] + 1))), 1)
+        gone = set(range(1, A.shape[1] + 1)) - set((kept + 1).tolist())
+        return sides(cdd.block_elimination(given, gone), len(kept))
 
     return {
         "empty": lambda A, b: len(generators(A, b)[0]) == 0,

@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hysdel_py.analysis.milp import Answer, Milp, Status
-from hysdel_py.analysis.start_cover import Timer
+from hysdel_py.analysis.clock import Clock
 
 __all__ = ["Least", "Squares", "least_value"]
 
@@ -63,7 +63,7 @@ class Least:
     w: Vector
 
 
-def least_value(problem: Milp, sums: Sequence[tuple[Squares, Sequence[int]]], clock: Timer) -> Least:
+def least_value(problem: Milp, sums: Sequence[tuple[Squares, Sequence[int]]], clock: Clock) -> Least:
     """Bound a sum of squares from below.
 
     Parameters
@@ -72,7 +72,7 @@ def least_value(problem: Milp, sums: Sequence[tuple[Squares, Sequence[int]]], cl
         Is left as it is.
     sums : sequence of (Squares, places)
         Each with the variables that its signals are.
-    clock : Timer
+    clock : Clock
     """
     work = problem.copy()
     roots = [root for squares, places in sums for root in _roots(work, squares, places)]

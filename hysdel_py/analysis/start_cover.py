@@ -17,10 +17,11 @@ from typing import Protocol
 import numpy as np
 from numpy.typing import NDArray
 
+from hysdel_py.analysis.clock import Clock
 from hysdel_py.systems.dha import Dha
 from hysdel_py.systems.thresholds import state_thresholds
 
-__all__ = ["Cover", "Programs", "Timer", "at_thresholds", "cover_of"]
+__all__ = ["Cover", "Programs", "at_thresholds", "cover_of"]
 
 MOST_WORDS = 4
 """Words that are tried on a box: that of its centre, then those of corners that do not share it."""
@@ -28,14 +29,6 @@ MOST_WORDS = 4
 Vector = NDArray[np.float64]
 Box = tuple[Vector, Vector]
 Progress = Callable[[int, int], object]
-
-
-class Timer(Protocol):
-    """How much time there is."""
-
-    @property
-    def left(self) -> float:
-        """Seconds until the limit."""
 
 
 class Programs(Protocol):
@@ -80,7 +73,7 @@ class Cover:
 
 
 def cover_of(
-    programs: Programs, box: Box, clock: Timer, *, most: int, cuts: Sequence[Box] = (), progress: Progress | None = None
+    programs: Programs, box: Box, clock: Clock, *, most: int, cuts: Sequence[Box] = (), progress: Progress | None = None
 ) -> Cover:
     """Cover a box of first states by parts with a common word.
 
@@ -89,7 +82,7 @@ def cover_of(
     programs : Programs
     box : (low, high)
         Ends may be equal.
-    clock : Timer
+    clock : Clock
     most : int
         Boxes that are looked at, at most.
     cuts : sequence of (low, high)

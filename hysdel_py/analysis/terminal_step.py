@@ -22,7 +22,7 @@ from hysdel_py.analysis.pwa_branches import Branch, branches_of
 from hysdel_py.analysis.reach import reach_backward
 from hysdel_py.analysis.runs import start_runs
 from hysdel_py.analysis.settings import DEFAULT_SEARCH_TOLERANCES
-from hysdel_py.analysis.start_cover import Timer
+from hysdel_py.analysis.clock import Clock
 from hysdel_py.geometry.polyhedron import Polyhedron
 from hysdel_py.systems.affine import Affine
 from hysdel_py.systems.dha import AffineEquation, AffineRequirement, Dha
@@ -104,7 +104,7 @@ def cut_by_rows(states: HybridSet, A: Matrix, b: Vector) -> HybridSet:
 
 
 def kept_by_a_step(
-    pwa: Pwa, dha: Dha, states: HybridSet, limits: Limited, law: LastLaw | None = None, *, clock: Timer
+    pwa: Pwa, dha: Dha, states: HybridSet, limits: Limited, law: LastLaw | None = None, *, clock: Clock
 ) -> Kept:
     """Whether from each state of a set some input keeps the limits and leads back, up to sets without inner points.
 
@@ -169,7 +169,7 @@ def _at_input(limits: Limited, dha: Dha, u: Vector) -> Limited:
     return replace(limits, inputs=given)
 
 
-def _is_lost(dha: Dha, state: Vector, states: HybridSet, limits: Limited, clock: Timer) -> bool:
+def _is_lost(dha: Dha, state: Vector, states: HybridSet, limits: Limited, clock: Clock) -> bool:
     """Whether the rows of a step have no point that starts at a state and ends in a set."""
     start = {v.name: float(value) for v, value in zip(dha.x, state, strict=True)}
     runs = start_runs(limited_dha(dha, replace(limits, states={})), start, limits.inputs, (0.0, 0.0))

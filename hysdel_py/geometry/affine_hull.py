@@ -46,7 +46,7 @@ def null_space(A: Matrix, tolerance: float) -> Matrix:
     """
     if not A.size:
         return np.eye(A.shape[1])
-    _, values, right = np.linalg.svd(A)
+    _, values, right = np.linalg.svd(A, full_matrices=len(A) < A.shape[1])
     rank = int(np.sum(values > tolerance))
     return np.asarray(right[rank:].T)
 

@@ -4,6 +4,9 @@ Around an inner point the polyhedron ``{v : G v <= h}`` with ``h > 0`` is the po
 ``n'x <= 1`` of their convex hull with the origin is a vertex ``n`` of the polyhedron, a facet ``n'x <= 0`` an extreme
 ray ``n`` (G. M. Ziegler, "Lectures on polytopes", 1995, section 2.3). Qhull computes that hull. The rows of a convex
 hull are found by the same step applied to its polar.
+
+Where there are few of them the generators are the extreme rays of the cone ``{(t, v) : h t - G v >= 0, t >= 0}``, those
+with t = 0 being rays and the others points ``v / t``; flat and unbounded polyhedra are no case of their own there.
 """
 
 from __future__ import annotations
@@ -15,8 +18,10 @@ from numpy.typing import NDArray
 
 from hysdel_py.errors import ArgumentError
 from hysdel_py.geometry.affine_hull import AffineHull, null_space
+from hysdel_py.geometry.cone import points_and_ways, sorted_order
+from hysdel_py.geometry.precision import Precision
 
-__all__ = ["Generators", "generators_of"]
+__all__ = ["Generators", "few_generators_of", "generators_of"]
 
 Vector = NDArray[np.float64]
 Matrix = NDArray[np.float64]
@@ -26,6 +31,7 @@ _AT_INFINITY = 1e-10
 _SAME = 1e-8
 """Generators closer than this, relative to their size, are one."""
 _RANK = 1e-9
+_TOLD = 1e-6
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -78,15 +84,41 @@ def generators_of(A: Matrix, b: Vector, hull: AffineHull) -> Generators:
     )
 
 
-def _distinct(rows: Matrix, scale: Vector | float) -> Matrix:
+def few_generators_of(A: Matrix, b: Vector, inside: Vector, precision: Precision) -> Generators | None:
+    """Generators of ``{w : A w <= b}`` where they are few and the numbers leave no doubt, else None.
+
+    Parameters
+    ----------
+    A : array of shape (m, n)
+    b : array of shape (m,)
+    inside : array of shape (n,)
+        A point that satisfies the rows, an inner one if there is one.
+    precision : Precision
+    """
+    found = points_and_ways(A, b, inside, precision.empty)
+    if found is None:
+        return None
+    points, rays, lines, scale = found
+    return Generators(_sorted(points, scale), _sorted(rays, np.ones(len(scale))) if len(rays) else rays, lines)
+
+
+def _sorted(rows: Matrix, scale: Vector) -> Matrix:
+    return np.asarray(rows[sorted_order(rows, scale)] + 0.0)
+
+
+def _distinct(rows: Matrix, scale: Vector) -> Matrix:
     """Rows in order, of those that are the same in coordinates of the given sizes one each."""
+    if not len(rows):
+        return rows
+    from scipy.spatial import cKDTree
+
+    rows = rows[np.lexsort((rows / scale).round(9).T[::-1])] + 0.0
     scaled = rows / scale
-    kept: list[int] = []
-    for i in np.lexsort(np.round(scaled, 9).T[::-1]) if len(rows) else ():
-        size = _SAME * (1.0 + float(np.max(np.abs(scaled[i]))))
-        if not kept or np.min(np.max(np.abs(scaled[kept] - scaled[i]), axis=1)) > size:
-            kept.append(int(i))
-    return np.asarray(rows[kept] + 0.0)
+    scaled /= 1.0 + np.abs(scaled).max(axis=1, keepdims=True)
+    again = np.ones(len(rows), dtype=bool)
+    pairs = cKDTree(scaled).query_pairs(_SAME, p=np.inf, output_type="ndarray")
+    again[pairs.max(axis=1)] = False
+    return np.asarray(rows[again])
 
 
 def _complement(lines: Matrix, dimension: int) -> Matrix:
@@ -105,8 +137,9 @@ def _pointed(G: Matrix, h: Vector) -> tuple[Matrix, Matrix]:
     facets = _polar_facets((G * scale) / h[:, None])
     far = facets.offsets <= _AT_INFINITY
     corners = (facets.normals[~far] / facets.offsets[~far, None]) * scale
-    sharp = _sharpened(G, h, corners, facets.rows[~far])
-    return _distinct(sharp, scale), _distinct(_unit(facets.normals[far] * scale), 1.0)
+    _, first = np.unique((corners / scale).round(12), axis=0, return_index=True)  # simplices of one facet are equal
+    sharp = _sharpened(G, h, corners[first], facets.rows[~far][first])
+    return _distinct(sharp, scale), _distinct(_unit(facets.normals[far] * scale), np.ones(len(scale)))
 
 
 def _scale(G: Matrix, h: Vector) -> Vector:
@@ -149,4 +182,13 @@ def _sharpened(G: Matrix, h: Vector, corners: Matrix, rows: NDArray[np.intp]) ->
     real = (rows >= 0)[:, :, None]
     active = np.where(real, G[rows], 0.0)
     left = np.where(real[:, :, 0], h[rows] - np.einsum("kij,kj->ki", active, corners), 0.0)
-    return np.asarray(corners + np.einsum("kji,ki->kj", np.linalg.pinv(active, rcond=_RANK), left))
+    is_corner = real.all(axis=(1, 2)) & _are_told_by(active)
+    move = np.empty_like(corners)
+    move[is_corner] = np.linalg.solve(active[is_corner], left[is_corner][:, :, None])[:, :, 0]
+    move[~is_corner] = np.einsum("kji,ki->kj", np.linalg.pinv(active[~is_corner], rcond=_RANK), left[~is_corner])
+    return np.asarray(corners + move)
+
+
+def _are_told_by(active: Matrix) -> NDArray[np.bool_]:
+    """Whether n rows each are clearly independent, by their determinants over the product of their lengths."""
+    return np.asarray(np.abs(np.linalg.det(active)) > _TOLD * np.linalg.norm(active, axis=2).prod(axis=1))

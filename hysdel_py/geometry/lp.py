@@ -2,8 +2,9 @@
 
 ``maximise c'w  subject to  A w <= b,  lb <= w <= ub``
 
-Small problems go to PIQP, which needs some tenths of a millisecond; what it does not solve to the wanted precision, and
-what is large, goes to HiGHS. Every answer carries the bound that its multipliers prove: for any ``y >= 0``,
+Problems in few variables go to a dual simplex method (:mod:`hysdel_py.geometry.small_programs`), which needs some
+microseconds where it is compiled; larger ones to PIQP; what they do not solve to the wanted precision, and what is very
+large, to HiGHS. Every answer carries the bound that its multipliers prove: for any ``y >= 0``,
 ``c'w <= y'b + sum_j max((c - A'y)_j lb_j, (c - A'y)_j ub_j)`` (A. Neumaier and O. Shcherbina, "Safe bounds in linear
 and mixed-integer linear programming", Mathematical Programming 99, 2004), with an allowance for rounding.
 """
@@ -18,6 +19,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from hysdel_py.geometry.precision import DEFAULT_PRECISION, Precision
+from hysdel_py.geometry.small_programs import are_small, greatest_values
 
 __all__ = ["Lp", "LpResult", "LpStatus", "is_proven_empty", "maximise", "proven_bound", "sharpened_bound"]
 
@@ -101,13 +103,17 @@ def maximise(
     lb, ub : array_like of shape (n,)
         May be infinite.
     vertex : bool
-        Ask HiGHS for a vertex at once, whose active rows hold to the last digits.
+        Ask for a vertex, whose active rows hold to the last digits.
     """
     lp = Lp(np.asarray(c, dtype=float), A, *(np.asarray(side, dtype=float) for side in (b, lb, ub)))
     if np.any(lp.lb > lp.ub):
         return _nothing(lp, LpStatus.INFEASIBLE)
     if not len(lp.c):
         return _without_variables(lp)
+    if are_small(*A.shape):
+        small = _with_simplex(lp, precision)
+        if small is not None:
+            return small
     answer = _with_piqp(lp, precision) if not vertex and A.shape[0] * A.shape[1] <= DENSE_UP_TO else None
     return _with_highs(lp) if answer is None else answer
 
@@ -187,6 +193,19 @@ def _times(coefficient: Vector, bound: Vector) -> Vector:
 
 def _dense(A: Any) -> NDArray[np.float64]:
     return np.ascontiguousarray(A.toarray() if hasattr(A, "toarray") else A, dtype=float)
+
+
+def _with_simplex(lp: Lp, precision: Precision) -> LpResult | None:
+    """Answer of the simplex method if it stands the check, else None."""
+    found = greatest_values(lp.c[None], _dense(lp.A), lp.b, lp.lb, lp.ub, tolerance=precision.lp)
+    if found is None:
+        return None
+    if not found.is_feasible:
+        return _nothing(lp, LpStatus.INFEASIBLE)
+    value = float(found.values[0])
+    if value == np.inf:
+        return _nothing(lp, LpStatus.UNBOUNDED)
+    return LpResult(LpStatus.OPTIMAL, found.points[0], value, float(found.bounds[0]), found.multipliers[0])
 
 
 def _with_piqp(lp: Lp, precision: Precision) -> LpResult | None:

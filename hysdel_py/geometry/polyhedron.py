@@ -5,26 +5,31 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
+from math import isfinite
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from hysdel_py.errors import ArgumentError
 from hysdel_py.geometry.affine_hull import AffineHull, affine_hull
-from hysdel_py.geometry.ball import Ball, greatest_ball
+from hysdel_py.geometry.ball import LARGEST_RADIUS, Ball, greatest_ball
 from hysdel_py.geometry.convex_hull import hull_rows, hull_volume
-from hysdel_py.geometry.generators import Generators, generators_of
+from hysdel_py.geometry.generators import Generators, few_generators_of, generators_of
 from hysdel_py.geometry.lp import LpResult, maximise
 from hysdel_py.geometry.mapping import mapped
 from hysdel_py.geometry.precision import DEFAULT_PRECISION, Precision
 from hysdel_py.geometry.projection import eliminate
 from hysdel_py.geometry.redundancy import irredundant_rows
+from hysdel_py.geometry.small_programs import are_small, greatest_values
 from hysdel_py.geometry.solver import LpSolver
 
 __all__ = ["Ball", "Polyhedron"]
 
 Vector = NDArray[np.float64]
 Matrix = NDArray[np.float64]
+
+_EASY_VERTICES = 6
+"""Up to this dimension a shadow is the hull of projected vertices."""
 
 _ROUNDING = 1e-14
 """A sum this small relative to the sizes of its terms is zero."""
@@ -49,10 +54,13 @@ class Polyhedron:
         return f"<Polyhedron in {self.n} coordinates, {self.m} rows>"
 
     def __post_init__(self) -> None:
-        A, b = np.array(self.A, dtype=float), np.array(self.b, dtype=float)
+        A, b = np.array(self.A, dtype=float, order="C"), np.array(self.b, dtype=float)
         if A.ndim != 2 or b.shape != (A.shape[0],):
             raise ArgumentError(f"A has shape {A.shape} and b {b.shape}: (m, n) and (m,) were expected")
-        if not np.isfinite(A).all() or np.isnan(b).any():
+        # A sum is finite only if its terms are: one look at most arrays instead of one at each entry.
+        if not isfinite(np.add.reduce(A, None) + np.add.reduce(b)) and not (
+            np.isfinite(A).all() and not np.isnan(b).any()
+        ):
             raise ArgumentError("A and b must be numbers, and A finite")
         for name, array in (("A", A), ("b", b)):
             array.setflags(write=False)
@@ -86,8 +94,10 @@ class Polyhedron:
         if not corners.size:
             raise ArgumentError("a convex hull needs at least one point; for an empty set use Polyhedron.empty(n)")
         n = corners.shape[1]
-        ways, axes = (np.asarray(part, dtype=float).reshape(-1, n) for part in (rays, lines))
-        if not all(np.isfinite(part).all() for part in (corners, ways, axes)):
+        ways, axes = (np.array(part, dtype=float).reshape(-1, n) for part in (rays, lines))
+        if not isfinite(sum(np.add.reduce(part, None) for part in (corners, ways, axes))) and not all(
+            np.isfinite(part).all() for part in (corners, ways, axes)
+        ):
             raise ArgumentError("points, rays and lines must be finite numbers")
         return cls(*hull_rows(corners, ways, axes, precision), precision)
 
@@ -129,7 +139,7 @@ class Polyhedron:
     @cached_property
     def lengths(self) -> Vector:
         """Euclidean lengths of the normals."""
-        return np.asarray(np.linalg.norm(self.A, axis=1))
+        return np.asarray(np.sqrt(np.einsum("ij,ij->i", self.A, self.A)))
 
     def maximise(self, direction: ArrayLike) -> LpResult:
         """Support function: the greatest value of ``direction'w`` and where it is attained."""
@@ -155,6 +165,9 @@ class Polyhedron:
     def bounding_box(self) -> tuple[Vector, Vector]:
         """Least and greatest value of each coordinate; infinite where there is none."""
         eye = np.eye(self.n)
+        ends = self._greatest(np.vstack([eye, -eye]))
+        if ends is not None:
+            return -ends[self.n :], ends[: self.n]
         low = np.array([-self.maximise(-row).value for row in eye])
         return low, np.array([self.maximise(row).value for row in eye])
 
@@ -173,6 +186,8 @@ class Polyhedron:
     def _unit(self) -> tuple[Matrix, Vector]:
         """Rows of unit length, without those that have no coefficients or no finite side."""
         real = (self.lengths > 0) & np.isfinite(self.b)
+        if real.all():
+            return self.A / self.lengths[:, None], self.b / self.lengths
         return self.A[real] / self.lengths[real, None], self.b[real] / self.lengths[real]
 
     def normalised(self) -> Polyhedron:
@@ -208,6 +223,12 @@ class Polyhedron:
         ball = greatest_ball(A[~hull.tight] @ hull.basis, (b - A @ hull.origin)[~hull.tight], self.precision)
         return Ball(hull.origin + hull.basis @ ball.centre, ball.radius)
 
+    @property
+    def _inside(self) -> Vector:
+        """A point near some vertex, an inner one if there are any."""
+        ball = self.ball
+        return (ball if ball.radius < LARGEST_RADIUS else greatest_ball(self.A, self.b, self.precision, 1.0)).centre
+
     @cached_property
     def generators(self) -> Generators:
         """Vertices, extreme rays and lines, each in a fixed order.
@@ -220,7 +241,8 @@ class Polyhedron:
         if self.is_empty:
             none = np.zeros((0, self.n))
             return Generators(none, none, none)
-        return generators_of(*self._unit, self.affine_hull)
+        few = few_generators_of(*self._unit, self._inside, self.precision)
+        return generators_of(*self._unit, self.affine_hull) if few is None else few
 
     @property
     def is_bounded(self) -> bool:
@@ -244,7 +266,7 @@ class Polyhedron:
     @cached_property
     def volume(self) -> float:
         """Volume: 0 for a flat polyhedron, infinity for an unbounded one with inner points."""
-        if self.dimension < self.n:
+        if self.ball.radius <= self.precision.empty:
             return 0.0
         found = self.generators
         return float("inf") if len(found.rays) or len(found.lines) else hull_volume(found.points)
@@ -267,9 +289,36 @@ class Polyhedron:
             raise ArgumentError(f"each coordinate can be kept once; found {list(coordinates)}")
         if self.is_empty:
             return Polyhedron.empty(len(kept), self.precision)
+        if len(kept) == self.n:
+            return Polyhedron(self.A[:, kept], self.b, self.precision).minimal()
+        shadow = self._shadow_of_generators(kept)
+        if shadow is not None:
+            return shadow
         gone = [i for i in range(self.n) if i not in kept]
         A, b = eliminate(*self._unit, self.affine_hull, gone, self.precision)
         return Polyhedron(A[:, np.argsort(np.argsort(kept))], b, self.precision).minimal()
+
+    def _shadow_of_generators(self, kept: list[int]) -> Polyhedron | None:
+        """The projection as the hull of projected vertices, where these are had cheaply; of one coordinate its ends."""
+        if len(kept) == 1:
+            eye = np.eye(self.n)[kept]
+            found = self._greatest(np.vstack([eye, -eye]))
+            return None if found is None else Polyhedron.box(-found[1:], found[:1], self.precision)
+        if not kept or self.n > _EASY_VERTICES:
+            return None
+        try:
+            points, rays, lines = self.generators.points, self.generators.rays, self.generators.lines
+            return Polyhedron.hull(points[:, kept], rays[:, kept], lines[:, kept], self.precision)
+        except ArgumentError:
+            return None  # of a bad scale: coordinates are eliminated one after the other
+
+    def _greatest(self, directions: Matrix) -> Vector | None:
+        """Greatest values along directions, infinite where there is none; None if there are no points or doubts."""
+        if not are_small(*self.A.shape):
+            return None
+        free = np.full(self.n, np.inf)
+        found = greatest_values(directions, self.A, self.b, -free, free, tolerance=self.precision.lp)
+        return found.values if found is not None and found.is_feasible else None
 
     def preimage(self, M: ArrayLike, t: ArrayLike = 0.0) -> Polyhedron:
         """``{v : M v + t is in the polyhedron}``."""

@@ -9,6 +9,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from hysdel_py.geometry.small_programs import are_small, needed_among
 from hysdel_py.geometry.solver import LpSolver
 
 __all__ = ["irredundant_rows"]
@@ -31,8 +32,16 @@ def irredundant_rows(A: Matrix, b: Vector, inside: Matrix, solver: LpSolver) -> 
         Inner points, as many as are known; there may be none.
     solver : LpSolver
     """
+    precision = solver.precision
+    if are_small(*A.shape):
+        found = needed_among(
+            A, b, inside, parallel=precision.parallel, margin=precision.redundant, tolerance=precision.lp
+        )
+        if found is not None:
+            solver.solved += found[1]
+            return found[0]
     lengths = np.asarray(np.linalg.norm(A, axis=1))
-    keep = _distinct_rows(A, b, lengths, solver.precision.parallel)
+    keep = _distinct_rows(A, b, lengths, precision.parallel)
     if not keep:
         return ()
     G, h = A[keep] / lengths[keep, None], b[keep] / lengths[keep]

@@ -1,0 +1,85 @@
+"""Numerical kernels: compiled by numba where it is installed (extra `fast`), plain Python where it is not.
+
+A kernel is a function over arrays and numbers whose text is valid both ways. Compiled code is cached beside the source,
+or where ``NUMBA_CACHE_DIR`` says; without a writable place it is compiled anew in each process.
+``NUMBA_DISABLE_JIT=1`` runs the plain functions although numba is there.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from contextlib import suppress
+from functools import cache
+from pathlib import Path
+from typing import Any, TypeVar
+
+__all__ = ["compiled", "either", "kernels_are_compiled", "leaf", "reordered", "step"]
+
+F = TypeVar("F", bound=Callable[..., Any])
+
+
+def compiled(function: F) -> F:
+    """The function, compiled at its first call where numba is installed."""
+    return _compile(function)
+
+
+def leaf(function: F) -> F:
+    """The same for a kernel that makes and returns no arrays: it need not count who uses those that it is given."""
+    return _compile(function, _nrt=False)
+
+
+def step(function: F) -> F:
+    """A leaf that only kernels call: without the way in from Python, which takes as long to compile as itself."""
+    return _compile(function, _nrt=False, no_cpython_wrapper=True, no_cfunc_wrapper=True)
+
+
+def reordered(function: F) -> F:
+    """A leaf with sums whose terms may be added in any order, which lets several be added at once."""
+    return _compile(function, _nrt=False, fastmath={"reassoc", "contract"})
+
+
+def _compile(function: F, **options: Any) -> F:
+    numba = _numba()
+    if numba is None:
+        return function
+    _forget_stale_code(Path(function.__code__.co_filename).parent)
+    # Division by zero gives infinity, as it does for numpy's numbers in plain Python; checks for it cost time.
+    options["error_model"] = "numpy"
+    try:
+        return numba.njit(cache=True, **options)(function)  # type: ignore[no-any-return]
+    except RuntimeError:  # no place to keep the compiled code
+        return numba.njit(**options)(function)  # type: ignore[no-any-return]
+
+
+def either(loops: F, arrays: F) -> F:
+    """The compiled loops, or where nothing is compiled the same step as whole-array operations.
+
+    For the innermost steps only: loops over elements are what a compiler likes and what plain Python is slow at.
+    """
+    return compiled(loops) if kernels_are_compiled() else arrays
+
+
+def kernels_are_compiled() -> bool:
+    """Whether kernels run as compiled code in this process."""
+    numba = _numba()
+    return numba is not None and not numba.config.DISABLE_JIT
+
+
+@cache
+def _numba() -> Any:
+    try:
+        import numba
+    except ImportError:
+        return None
+    return numba
+
+
+@cache
+def _forget_stale_code(folder: Path) -> None:
+    """Remove cached code that is older than any source beside it: the cache looks at a function's own file only."""
+    sources = [Path(__file__), *folder.glob("*.py")]
+    newest = max(source.stat().st_mtime for source in sources)
+    for index in (folder / "__pycache__").glob("*.nbi"):
+        with suppress(OSError):
+            if index.stat().st_mtime < newest:
+                index.unlink()
