@@ -14,8 +14,8 @@ from math import inf, isfinite
 import numpy as np
 from numpy.typing import NDArray
 
-from hysdel_py.analysis.milp import Answer, Milp, Status
 from hysdel_py.analysis.clock import Clock
+from hysdel_py.analysis.milp import Answer, Milp, Status
 
 __all__ = ["Least", "Squares", "least_value"]
 

@@ -14,6 +14,7 @@ from sys import maxsize
 import numpy as np
 from numpy.typing import NDArray
 
+from hysdel_py.analysis.clock import Clock
 from hysdel_py.analysis.encoding import Places
 from hysdel_py.analysis.hybrid_set import HybridSet, Piece, Span, box_of, hybrid_set, whole_state
 from hysdel_py.analysis.milp import Milp, Status
@@ -22,7 +23,6 @@ from hysdel_py.analysis.pwa_branches import Branch, branches_of
 from hysdel_py.analysis.reach import reach_backward
 from hysdel_py.analysis.runs import start_runs
 from hysdel_py.analysis.settings import DEFAULT_SEARCH_TOLERANCES
-from hysdel_py.analysis.clock import Clock
 from hysdel_py.geometry.polyhedron import Polyhedron
 from hysdel_py.systems.affine import Affine
 from hysdel_py.systems.dha import AffineEquation, AffineRequirement, Dha
