@@ -20,7 +20,7 @@ F = TypeVar("F", bound=Callable[..., Any])
 
 def compiled(function: F) -> F:
     """The function, compiled at its first call where numba is installed."""
-    return _compile(function)
+    return _compile(function, _nrt=True)  # said, for otherwise it is inherited from a leaf that calls
 
 
 def leaf(function: F) -> F:
@@ -40,18 +40,36 @@ def _compile(function: F, **options: Any) -> F:
     _forget_stale_code(Path(function.__code__.co_filename).parent)
     # Division by zero gives infinity, as it does for numpy's numbers in plain Python; checks for it cost time.
     options["error_model"] = "numpy"
+    if numba.config.DISABLE_JIT:
+        return function
+    return _kernel()(function, **options)  # type: ignore[no-any-return]
+
+
+@cache
+def _kernel() -> Callable[..., Any]:
+    """How a kernel is made: for calls from kernels and from Python apart, or by numba alone where that fails."""
+    try:
+        from hysdel_py.optimize.deferred import Kernel
+    except ImportError:
+        return _cached
+    return Kernel
+
+
+def _cached(function: F, **options: Any) -> F:
+    import numba
+
     try:
         return numba.njit(cache=True, **options)(function)  # type: ignore[no-any-return]
     except RuntimeError:  # no place to keep the compiled code
         return numba.njit(**options)(function)  # type: ignore[no-any-return]
 
 
-def either(loops: F, arrays: F) -> F:
+def either(loops: F, arrays: F, kernel: Callable[[F], F] = compiled) -> F:
     """The compiled loops, or where nothing is compiled the same step as whole-array operations.
 
     For the innermost steps only: loops over elements are what a compiler likes and what plain Python is slow at.
     """
-    return compiled(loops) if kernels_are_compiled() else arrays
+    return kernel(loops) if kernels_are_compiled() else arrays
 
 
 def kernels_are_compiled() -> bool:

@@ -247,7 +247,7 @@ def drop(place, work):
     work[4][0] = count - 1
 
 
-@compiled
+@leaf
 def minimise_over_active(b, f, work):
     """Point and multipliers of the active rows taken as equations; rows with negative multipliers are let go."""
     while True:

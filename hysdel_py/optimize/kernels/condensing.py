@@ -66,7 +66,7 @@ def condense(problem, groups, box, wide):
     kind, value = classify(box)
     merged = merge_groups(rows, l, u, groups, integer, box)
     defining = define(rows, groups, merged, kind, n)
-    place = np.full(n, -1, dtype=np.int64)
+    place = none(n)
     k = 0
     for j in range(n):
         if kind[j] == FREE:
@@ -77,6 +77,14 @@ def condense(problem, groups, box, wide):
     H, f = project(P, q, Z, z0)
     N, b, source, length = inequalities(problem, groups, merged, places, (Z, z0), (box, wide))
     return Z, z0, H, f, N, b, source, length, defining, merged, place
+
+
+@compiled
+def none(count):
+    """As many numbers of nothing."""
+    numbers = np.empty(count, dtype=np.int64)
+    numbers[:] = -1
+    return numbers
 
 
 @compiled
@@ -103,8 +111,9 @@ def merge_groups(rows, l, u, groups, integer, box):
     """
     start, member, scale, _ = groups
     count = len(start) - 1
-    low, high = np.full(count, -np.inf), np.full(count, np.inf)
-    at_low, at_high = np.full(count, -1, dtype=np.int64), np.full(count, -1, dtype=np.int64)
+    low, high = np.empty(count), np.empty(count)
+    low[:], high[:] = -np.inf, np.inf
+    at_low, at_high = none(count), none(count)
     meet = np.zeros(count, dtype=np.bool_)
     inside = np.zeros(len(l), dtype=np.bool_)
     for g in range(count):
@@ -147,7 +156,7 @@ def define(rows, groups, merged, kind, n):
     Returns the group that defines each variable, -1 for none.
     """
     start, column, value = rows
-    defining = np.full(n, -1, dtype=np.int64)
+    defining = none(n)
     for g in range(len(merged[4])):
         if not merged[4][g]:
             continue
@@ -234,7 +243,7 @@ def inequalities(problem, groups, merged, places, lifted, ranges):
             N[count, c] /= size
         b[count] /= size
         length[count] = size
-        source[count] = source[i]
+        source[count, 0], source[count, 1] = source[i, 0], source[i, 1]
         count += 1
     return N[:count], b[:count], source[:count], length[:count]
 

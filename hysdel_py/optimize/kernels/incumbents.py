@@ -7,20 +7,21 @@ from __future__ import annotations
 
 import numpy as np
 
-from hysdel_py.optimize.compiled import compiled
+from hysdel_py.optimize.compiled import compiled, leaf
 from hysdel_py.optimize.kernels.certificate import excess
 from hysdel_py.optimize.kernels.guessing import fix_word, follow
 from hysdel_py.optimize.kernels.judging import BOUND, OBJECTIVE, worthwhile
+from hysdel_py.optimize.kernels.linear import copy_to
 from hysdel_py.optimize.kernels.node import value_at
 from hysdel_py.optimize.kernels.tree import PENDING, WORDS
 
-__all__ = ["look_around", "note_word", "offer", "take_word", "within"]
+__all__ = ["look_around", "note_hinted", "note_word", "offer", "take_word", "within"]
 
 MODULUS = 2**61 - 1
 """Words of binaries are told apart by their values as numbers modulo this."""
 
 
-@compiled
+@leaf
 def offer(data, box, w, state, settings):
     """Make a point with the binaries of a box the incumbent if it is better; False if it breaks a row."""
     problem, wide, binaries, known = data[0], data[3], data[5], data[7]
@@ -30,7 +31,7 @@ def offer(data, box, w, state, settings):
         return False
     value = value_at(problem, w) + known[0]
     if value < state[1][OBJECTIVE]:
-        state[0][:] = w
+        copy_to(state[0], w)
         state[1][OBJECTIVE] = value
     return True
 
@@ -49,9 +50,26 @@ def look_around(data, box, w, state, settings):
         if state[1][BOUND] >= worthwhile(state[1], settings[0]):
             return
     if follow(data[0], data[2], other, w, data[4], False, settings[2]):
-        note_word(other[0][data[5]], state)
+        note_word(word_of(other, data[5]), state)
     if driven:
-        note_word(inside[0][data[5]], state)
+        note_word(word_of(inside, data[5]), state)
+
+
+@compiled
+def note_hinted(data, box, near, state, settings):
+    """Guess the word that follows from the drivers of a point that may be good."""
+    inside = box[0].copy(), box[1].copy()
+    if follow(data[0], data[2], inside, near, data[4], True, settings[2]):
+        note_word(word_of(inside, data[5]), state)
+
+
+@compiled
+def word_of(box, binaries):
+    """Values of the binaries in a box that settles them."""
+    word = np.empty(len(binaries))
+    for i in range(len(binaries)):
+        word[i] = box[0][binaries[i]]
+    return word
 
 
 @compiled
@@ -63,16 +81,17 @@ def within(box, w):
     return point
 
 
-@compiled
+@leaf
 def take_word(data, state, settings):
     """Fix the next word to be tried, within the bounds of the whole problem; False if the rows object."""
     counters, box = state[2], state[3]
     counters[PENDING] -= 1
-    box[0][:], box[1][:] = state[6]
+    copy_to(box[0], state[6][0])
+    copy_to(box[1], state[6][1])
     return fix_word(data[0], data[2], box, data[5], state[8][counters[PENDING]], settings[2])
 
 
-@compiled
+@leaf
 def note_word(word, state):
     """Put a word on the list of those to be tried, unless it was there before."""
     counters, words = state[2], state[5]
@@ -85,5 +104,5 @@ def note_word(word, state):
     words[counters[WORDS] % len(words)] = code
     counters[WORDS] += 1
     if counters[PENDING] < len(state[8]):
-        state[8][counters[PENDING]] = word
+        copy_to(state[8][counters[PENDING]], word)
         counters[PENDING] += 1

@@ -12,9 +12,10 @@ import numpy as np
 from hysdel_py.optimize.compiled import compiled, leaf
 from hysdel_py.optimize.kernels.branching import branching_variable, learn
 from hysdel_py.optimize.kernels.cover import BOUNDED, OPEN_END, RAY, inherited, keep, restrict, wished_rows
-from hysdel_py.optimize.kernels.guessing import follow, queue_rows
-from hysdel_py.optimize.kernels.incumbents import look_around, note_word, offer, take_word, within
+from hysdel_py.optimize.kernels.guessing import queue_rows
+from hysdel_py.optimize.kernels.incumbents import look_around, note_hinted, note_word, offer, take_word, within
 from hysdel_py.optimize.kernels.judging import BOUND, FLOOR, OBJECTIVE, judge, worthwhile
+from hysdel_py.optimize.kernels.linear import copy_to
 from hysdel_py.optimize.kernels.node import EMPTY, SOLVED, middle
 from hysdel_py.optimize.kernels.propagation import propagate
 from hysdel_py.optimize.kernels.strengthening import NEVER, meet, narrow, narrow_root, strengthen
@@ -96,7 +97,8 @@ def open_root(data, root, settings):
         empty = start[row] == start[row + 1] and (l[row] > margin or u[row] < -margin)
         if empty or l[row] > u[row] + margin * (1.0 + abs(u[row])):
             return False
-    queued = np.ones(len(l), dtype=np.bool_)
+    queued = np.empty(len(l), dtype=np.bool_)
+    queued[:] = True
     return propagate(problem[2], columns, integer, root, (l, u), queued, settings[2])[0] < 0
 
 
@@ -201,11 +203,12 @@ def enter(data, tree, slot, state, settings):
         numbers[FLOOR] = min(numbers[FLOOR], tree[2][slot])
         keep(state[12], tree[9][slot], depth, tree[8][slot], state[11], OPEN_END)
         return False
-    state[10][:depth] = tree[9][slot, :depth]
+    copy_to(state[10], tree[9][slot, :depth])
     counters[NODES] += 1
     counters[FATE] = INFEASIBLE
-    counters[WAY : WAY + 3] = tree[3][slot]
-    box[0][:], box[1][:] = tree[0][slot], tree[1][slot]
+    copy_to(counters[WAY:], tree[3][slot])
+    copy_to(box[0], tree[0][slot])
+    copy_to(box[1], tree[1][slot])
     counters[DEPTH], numbers[BOUND] = depth, tree[2][slot]
     j = tree[3][slot, 0]
     if j < 0:
@@ -243,17 +246,18 @@ def growth(numbers, bound, gaps):
     return max(min(bound, enough) - before, 0.0)
 
 
-@compiled
+@leaf
 def digest(data, tree, verdict, state, settings):
     """Drop, settle or split a node whose relaxation has been judged; False if it needs other means."""
     status, w, y, bound, active = verdict
     numbers, counters, box = state[1], state[2], state[3]
-    state[11][:] = y
+    copy_to(state[11], y)
     if counters[DEPTH] == 0 and status == SOLVED:
-        state[13][0][:], state[13][1][:] = w, y
+        copy_to(state[13][0], w)
+        copy_to(state[13][1], y)
     if counters[DEPTH] == 0:
         counters[ACTIVE] = min(len(active), len(state[7]))
-        state[7][: counters[ACTIVE]] = active[: counters[ACTIVE]]
+        keep_active(state[7], active, counters[ACTIVE])
     variable, slot = counters[WAY], counters[LAST]
     if variable >= 0 and status >= 0:
         gained = growth(numbers, np.inf if status == EMPTY else bound, settings[0])
@@ -272,7 +276,7 @@ def digest(data, tree, verdict, state, settings):
     if not has_choice(box[0], box[1], data[5]):
         counters[FATE] = LEAF
         return settle(data, box, w, bound, state, settings)
-    state[4][:] = w
+    copy_to(state[4], w)
     every = settings[5]
     if every and counters[DEPTH] % every == 0:
         look_around(data, box, w, state, settings)
@@ -284,11 +288,16 @@ def digest(data, tree, verdict, state, settings):
         call_beaten(state, settings)
         return True
     if counters[DEPTH] == 0 and numbers[HINTED] > 0.0:
-        inside = box[0].copy(), box[1].copy()
-        if follow(data[0], data[2], inside, tree[8][slot], data[4], True, settings[2]):
-            note_word(inside[0][data[5]], state)
+        note_hinted(data, box, tree[8][slot], state, settings)
     split(data, tree, box, w, active, state, settings)
     return True
+
+
+@leaf
+def keep_active(kept, active, count):
+    """Keep the first active inequalities of the root."""
+    for i in range(count):
+        kept[i, 0], kept[i, 1] = active[i, 0], active[i, 1]
 
 
 @leaf
@@ -311,7 +320,7 @@ def has_choice(lb, ub, binaries):
     return False
 
 
-@compiled
+@leaf
 def settle(data, box, w, bound, state, settings):
     """Close a node without a choice: its point becomes the incumbent if it is better; False if it breaks a row."""
     numbers = state[1]
@@ -322,7 +331,7 @@ def settle(data, box, w, bound, state, settings):
     return True
 
 
-@compiled
+@leaf
 def split(data, tree, box, w, active, state, settings):
     """Open the two halves of a node, the nearer one to be looked at next."""
     counters = state[2]

@@ -13,6 +13,7 @@ from hysdel_py.optimize.kernels.cover import keep_open
 from hysdel_py.optimize.kernels.cutoff import narrow_by_cost
 from hysdel_py.optimize.kernels.guessing import queue_rows
 from hysdel_py.optimize.kernels.judging import FLOOR, OBJECTIVE, judge, worthwhile
+from hysdel_py.optimize.kernels.linear import copy_to
 from hysdel_py.optimize.kernels.node import EMPTY, SOLVED, middle
 from hysdel_py.optimize.kernels.probing import probe
 from hysdel_py.optimize.kernels.tree import ACTIVE, NARROWED, OPEN, PENDING, PROBING
@@ -32,7 +33,7 @@ WORTH_A_ROUND = 1e-3
 """Share of itself by which a round has to raise the bound for another one."""
 
 
-@compiled
+@leaf
 def narrow(data, box, w, y, state, settings):
     """Leave of a box what may be better than the incumbent by more than the gap; False if that is nothing.
 
@@ -50,7 +51,7 @@ def narrow(data, box, w, y, state, settings):
     return left and bound < enough
 
 
-@compiled
+@leaf
 def narrow_root(data, tree, state, settings):
     """Narrow the bounds of the whole problem after a better point was found; without a rest the search is over."""
     top = state[13]
@@ -58,7 +59,7 @@ def narrow_root(data, tree, state, settings):
         give_up_rest(tree, state)
 
 
-@compiled
+@leaf
 def meet(box, other, columns, queued):
     """Cut a box to another one; marks the rows of what has changed."""
     for j in range(len(box[0])):
@@ -88,7 +89,8 @@ def strengthen(data, tree, state, settings):
         if status != SOLVED:
             return None
         raise_bounds(tree, counters, bound)
-        top[0][:], top[1][:] = w, y
+        copy_to(top[0], w)
+        copy_to(top[1], y)
         narrow_root(data, tree, state, settings)
         if counters[OPEN] == 0 or not bound > before + WORTH_A_ROUND * abs(bound):
             return None
@@ -96,7 +98,7 @@ def strengthen(data, tree, state, settings):
     return None
 
 
-@compiled
+@leaf
 def give_up_rest(tree, state):
     """Close all that is open: there is nothing, or nothing better than the incumbent."""
     counters = state[2]

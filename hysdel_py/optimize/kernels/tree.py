@@ -12,6 +12,7 @@ from __future__ import annotations
 import numpy as np
 
 from hysdel_py.optimize.compiled import compiled, leaf
+from hysdel_py.optimize.kernels.linear import copy_to
 
 __all__ = [
     "ACTIVE",
@@ -73,33 +74,34 @@ def least_open(bound, order, counters):
     return least
 
 
-@compiled
+@leaf
 def push(tree, counters, box, bound, variable, value, active, near, way):
     """Open a node below the one that was visited last, whose decisions are `way`; there has to be a free slot."""
     slot = tree[7][counters[OPEN]]
     counters[OPEN] += 1
-    tree[0][slot], tree[1][slot] = box
+    copy_to(tree[0][slot], box[0])
+    copy_to(tree[1][slot], box[1])
     tree[2][slot] = bound
     tree[3][slot, 0], tree[3][slot, 1], tree[3][slot, 2] = variable, value, counters[NODES]
     depth = counters[DEPTH]
     tree[4][slot] = depth + 1
-    tree[9][slot] = way
+    copy_to(tree[9][slot], way)
     if variable >= 0 and depth >= 0:
         tree[9][slot, depth] = 2 * variable + (1 if value > 0.5 else 0)
     count = min(len(active), tree[5].shape[1])
     for i in range(count):
         tree[5][slot, i] = 2 * active[i, 0] + (1 if active[i, 1] > 0 else 0)
     tree[6][slot] = count
-    tree[8][slot] = near
+    copy_to(tree[8][slot], near)
 
 
-@compiled
+@leaf
 def push_again(tree, counters, box, bound, variable, value, active, near, way):
     """Open the node at hand once more, with a smaller box that leaves no choice; no decision is added to its way."""
     counters[DEPTH] -= 1
     push(tree, counters, box, bound, variable, value, active, near, way)
     counters[DEPTH] += 1
-    tree[9][tree[7][counters[OPEN] - 1]] = way
+    copy_to(tree[9][tree[7][counters[OPEN] - 1]], way)
 
 
 @compiled
