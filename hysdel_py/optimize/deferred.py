@@ -11,7 +11,9 @@ Rests on numba's passes and code libraries, which are documented for those who e
 
 from __future__ import annotations
 
-from collections.abc import Callable
+import gc
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from functools import cached_property
 from typing import Any
 
@@ -26,8 +28,11 @@ from numba.core.types import unliteral
 
 __all__ = ["Kernel"]
 
+SELDOM = (100_000, 50, 100)
+"""Thresholds of the garbage collection while something is compiled."""
 
-class _Waiting(JITCodeLibrary):  # type: ignore[misc]
+
+class _Waiting(JITCodeLibrary):
     """Code of a kernel and of what it calls, neither optimised as a whole nor made into machine code."""
 
     def _optimize_final_module(self) -> None:
@@ -39,7 +44,7 @@ class _Waiting(JITCodeLibrary):  # type: ignore[misc]
 
 
 @register_pass(mutates_CFG=True, analysis_only=False)
-class _LowerInside(NativeLowering):  # type: ignore[misc]
+class _LowerInside(NativeLowering):
     """Lower a kernel to code that waits for its callers."""
 
     _name = "lower_inside"
@@ -57,13 +62,14 @@ class _LowerInside(NativeLowering):  # type: ignore[misc]
 
 
 @register_pass(mutates_CFG=True, analysis_only=False)
-class _LowerEntry(NativeLowering):  # type: ignore[misc]
+class _LowerEntry(NativeLowering):
     """Lower a kernel that Python calls."""
 
     _name = "lower_entry"
 
     def run_pass(self, state: Any) -> bool:
         """Lower as usual, and set the environments of the kernels inside, which nobody has set yet."""
+        state.flags.no_cfunc_wrapper = True
         super().run_pass(state)
         library = state.library
         for variable in library._final_module.global_variables:
@@ -73,10 +79,10 @@ class _LowerEntry(NativeLowering):  # type: ignore[misc]
         return True
 
 
-class _Pipeline(Compiler):  # type: ignore[misc]
+class _Pipeline(Compiler):
     """The passes of numba with another lowering."""
 
-    lowering: type
+    lowering: type = NativeLowering
 
     def define_pipelines(self) -> list[Any]:
         pipelines: list[Any] = super().define_pipelines()
@@ -93,8 +99,24 @@ class _Inside(_Pipeline):
 class _Entry(_Pipeline):
     lowering = _LowerEntry
 
+    def compile_extra(self, func: Any) -> Any:
+        """Compile this kernel and all below it."""
+        with _seldom_collecting():
+            return super().compile_extra(func)
 
-class Kernel(CPUDispatcher):  # type: ignore[misc]
+
+@contextmanager
+def _seldom_collecting() -> Iterator[None]:
+    """Few searches for circles of garbage: numba makes millions of objects and drops few, and each search sees all."""
+    before = gc.get_threshold()
+    gc.set_threshold(*SELDOM)
+    try:
+        yield
+    finally:
+        gc.set_threshold(*before)
+
+
+class Kernel(CPUDispatcher):
     """A kernel as other kernels see it; a call from Python goes to the machine code of :attr:`entry`.
 
     Parameters
@@ -108,9 +130,9 @@ class Kernel(CPUDispatcher):  # type: ignore[misc]
         super().__init__(function, targetoptions={"nopython": True, **options}, pipeline_class=_Inside)
         self._options = options
 
-    def __reduce__(self) -> str:
+    def __reduce__(self) -> Any:
         """By name, as any function."""
-        return self.py_func.__qualname__  # type: ignore[no-any-return]
+        return self.py_func.__qualname__
 
     def add_overload(self, cres: Any) -> None:
         """Remember code for some types of arguments; Python cannot call it."""

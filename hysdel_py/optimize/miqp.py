@@ -24,13 +24,14 @@ from hysdel_py.optimize.backends.registry import get_backend
 from hysdel_py.optimize.binary_squares import without_binary_squares
 from hysdel_py.optimize.compiled import kernels_are_compiled
 from hysdel_py.optimize.compiled_propagation import CompiledPropagator, propagator
-from hysdel_py.optimize.compiled_search import CompiledSearch, Hints, Workspace
+from hysdel_py.optimize.compiled_search import CompiledSearch, Hints
 from hysdel_py.optimize.dense import dense_solver
 from hysdel_py.optimize.heuristics import Guesser
 from hysdel_py.optimize.mixed_integer import Cover, Miqp, MiqpResult, MiqpSettings, MiqpStatus, SearchInfo
 from hysdel_py.optimize.qp import Qp
 from hysdel_py.optimize.search import Search
 from hysdel_py.optimize.verified import VerifiedSolver
+from hysdel_py.optimize.workspace import Workspace
 
 __all__ = ["Miqp", "MiqpResult", "MiqpSettings", "MiqpSolver", "MiqpStatus", "SearchInfo", "solve_miqp"]
 

@@ -20,6 +20,7 @@ from typing import Any
 import numpy as np
 
 from hysdel_py.optimize.compiled import compiled, leaf
+from hysdel_py.optimize.kernels import places as its
 from hysdel_py.optimize.kernels.certificate import bound_below, farkas_bound
 from hysdel_py.optimize.kernels.guessing import queue_rows
 from hysdel_py.optimize.kernels.linear import copy_to
@@ -117,8 +118,8 @@ def coarsen(cover):
 def keep_open(tree, counters, cover):
     """Note the nodes that are still open, after a search that was stopped."""
     for at in range(counters[0]):
-        slot = tree[7][at]
-        keep(cover, tree[9][slot], tree[4][slot], tree[8][slot], tree[8][slot], OPEN_END)
+        slot = tree[its.ORDER][at]
+        keep(cover, tree[its.WAYS][slot], tree[its.DEPTHS][slot], tree[its.NEAR][slot], tree[its.NEAR][slot], OPEN_END)
 
 
 @compiled

@@ -7,7 +7,8 @@ import numpy as np
 from hysdel_py.optimize.compiled import compiled, leaf
 from hysdel_py.optimize.kernels import active_set
 from hysdel_py.optimize.kernels.certificate import bound_below
-from hysdel_py.optimize.kernels.condensing import condense, lift_multipliers
+from hysdel_py.optimize.kernels.condensing import condense
+from hysdel_py.optimize.kernels.lifting import lift_multipliers
 from hysdel_py.optimize.kernels.linear import copy_to, dot
 
 __all__ = ["solve_node"]

@@ -18,6 +18,7 @@ from __future__ import annotations
 import numpy as np
 
 from hysdel_py.optimize.compiled import compiled, leaf
+from hysdel_py.optimize.kernels import places as its
 from hysdel_py.optimize.kernels.guessing import queue_rows
 from hysdel_py.optimize.kernels.linear import copy_to
 from hysdel_py.optimize.kernels.propagation import noise_of, propagate
@@ -48,7 +49,7 @@ def probe(data, box, settings):
     left, changes
         False if nothing is left of the box; how many bounds and rows changed.
     """
-    problem, columns, binaries = data[0], data[2], data[5]
+    problem, columns, binaries = data[its.PROBLEM], data[its.COLUMNS], data[its.BINARIES]
     changes = 0
     low, high = (box[0].copy(), box[1].copy()), (box[0].copy(), box[1].copy())
     for i in range(len(binaries)):
