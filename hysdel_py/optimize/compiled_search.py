@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hysdel_py.optimize.compiled import kernels_are_compiled
+from hysdel_py.optimize.compiled_propagation import CompiledPropagator
 from hysdel_py.optimize.dense import NO_GUESS
 from hysdel_py.optimize.kernels import places as its
 from hysdel_py.optimize.mixed_integer import Cover, MiqpResult, NodeFate, NodeRecord, SearchInfo
@@ -112,12 +113,26 @@ class CompiledSearch:
 
         self._start(Hints())  # may well find the program empty, without the numbers of a call
         self._loop(0)
-        space, problem, (lb, ub) = self.space, self.data[0], self.data[3]
+        space, problem, (lb, ub) = self.space, self.data[its.PROBLEM], self.data[its.WIDE]
         nowhere = np.full(len(problem[3]), -1, dtype=np.int64)
         violations(space.dense.rows, problem[3], problem[4], lb, ub, np.zeros(len(lb)))
         keep_open(space.tree, np.zeros_like(space.state[its.COUNTERS]), space.recorded)
         least_open(space.tree[its.BOUNDS], space.tree[its.ORDER], np.zeros_like(space.state[its.COUNTERS]))
         later(space.nothing_carried, 0, np.zeros(len(lb)), 1, 1, nowhere)
+        self._rehearse_help()
+
+    def _rehearse_help(self) -> None:
+        """The same for what is only needed where a node needs other means; the next start forgets what this leaves."""
+        from hysdel_py.optimize.kernels.search import note_word
+
+        self.space.dense.warm_up()
+        if isinstance(self.search.solver.propagator, CompiledPropagator):
+            self.search.solver.propagator.warm_up()
+        lb, ub = self.data[its.WIDE]
+        self.search.stack.append(Node(Box(lb, ub), -1, 0.0, -inf, 0, None))
+        self._hand_over()
+        self._keep_end()
+        note_word(np.zeros(len(self.space.binaries)), self.space.state)
 
     def _start(self, hints: Hints) -> bool:
         """Open the root; False if propagation proves the problem empty."""
