@@ -131,8 +131,9 @@ class Kernel(CPUDispatcher):
         self._options = options
 
     def __reduce__(self) -> Any:
-        """By name, as any function."""
-        return self.py_func.__qualname__
+        """By name, as any function; one inside another function as numba does it, which is enough for its cache."""
+        name = self.py_func.__qualname__
+        return super().__reduce__() if "<locals>" in name else name
 
     def add_overload(self, cres: Any) -> None:
         """Remember code for some types of arguments; Python cannot call it."""
