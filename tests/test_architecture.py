@@ -57,12 +57,6 @@ MAY_IMPORT: dict[str, set[str]] = {
 }
 # These import what they like, and nobody imports them at module level.
 LEAVES = {"plotting", "cli", "lsp", "notebook", "__main__"}
-    "plotting",
-    "cli",
-    "lsp",
-    "notebook",
-    "__main__",
-}  # these import what they like, and nobody imports them at module level
 # What may be imported inside a function on top of that.
 LAZILY = {
     "systems": {"plotting", "markup"},
