@@ -24,7 +24,7 @@ def compiled(function: F) -> F:
 
 
 def leaf(function: F) -> F:
-    """The same for a kernel that makes and returns no arrays: it need not count who uses those that it is given."""
+    """The same for a kernel that makes no arrays and is handed none by those that it calls: it need not count users."""
     return _compile(function, _nrt=False)
 
 
@@ -90,7 +90,7 @@ def _numba() -> Any:
 @cache
 def _forget_stale_code(folder: Path) -> None:
     """Remove cached code that is older than any source beside it: the cache looks at a function's own file only."""
-    sources = [Path(__file__), *folder.glob("*.py")]
+    sources = [Path(__file__), Path(__file__).with_name("deferred.py"), *folder.glob("*.py")]
     newest = max(source.stat().st_mtime for source in sources)
     for index in (folder / "__pycache__").glob("*.nbi"):
         with suppress(OSError):
