@@ -1,6 +1,7 @@
 """How long the tutorial takes on a fresh machine: a new environment, the plain installation, each step of the page.
 
-    python benchmarks/tutorial.py [--extra fast]
+    python benchmarks/tutorial.py                              as on the page
+    python benchmarks/tutorial.py --extra plot,fast --demo     the first command of README.md, then the page
 
 Wall seconds include what other programs of the machine take; seconds of CPU are those of the commands alone. `ours` is
 all but making the environment and installing. Pip's downloads count in the wall time.
@@ -24,6 +25,7 @@ sys.path.insert(0, str(ROOT / "tests"))
 from pages import blocks  # noqa: E402
 
 PAGE = ROOT / "docs" / "tutorial.md"
+DEMO = "hysdel demo clutch"
 
 
 @dataclass(frozen=True)
@@ -80,6 +82,7 @@ def summary(title: str, steps: list[Step]) -> None:
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--extra", default="plot", help="extras that are installed (default: plot)")
+    parser.add_argument("--demo", action="store_true", help="run `hysdel demo clutch` before the page, twice")
     options = parser.parse_args()
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
@@ -87,7 +90,8 @@ def main() -> None:
         os.environ.pop("PYTHONPATH", None)
         print("  wall s    cpu s  step")
         installed = installation(folder, options.extra)
-        ours = page(folder)
+        demos = [timed(DEMO, DEMO.split(), folder) for _ in range(2 if options.demo else 0)]
+        ours = [*demos, *page(folder)]
         summary("installation", installed)
         summary("ours", ours)
         summary("all", installed + ours)

@@ -32,7 +32,7 @@ MAY_IMPORT: dict[str, set[str]] = {
     "geometry": {"errors", "compiled"},
     "control": {"errors", "tolerances", "systems", "optimize", "geometry"},
     "analysis": {"errors", "tolerances", "systems", "optimize", "geometry", "diagnostics", "syntax"},
-    "drivetrain": {"errors", "tolerances", "optimize"},
+    "drivetrain": {"errors", "tolerances", "compiled", "optimize"},
     "export": {
         "errors",
         "tolerances",
@@ -56,7 +56,8 @@ MAY_IMPORT: dict[str, set[str]] = {
     "bridges": {"errors", "systems", "export"},
     "demos": {"errors", "model", "systems", "control", "geometry", "drivetrain", "analysis"},
 }
-LEAVES = {"plotting", "cli", "lsp", "notebook"}  # these import what they like, and nobody imports them at module level
+# These import what they like, and nobody imports them at module level.
+LEAVES = {"plotting", "cli", "lsp", "notebook", "__main__"}
 # What may be imported inside a function on top of that.
 LAZILY = {
     "systems": {"plotting", "markup"},

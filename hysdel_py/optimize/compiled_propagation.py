@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from hysdel_py.optimize.compiled import kernels_are_compiled
+from hysdel_py.compiled import kernels_are_compiled
 from hysdel_py.optimize.propagation import Box, PropagationSettings, Propagator
 
 __all__ = ["CompiledPropagator", "propagator"]

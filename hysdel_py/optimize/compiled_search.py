@@ -11,24 +11,22 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from hysdel_py.optimize.certificate import UNIT_ROUNDOFF, diagonal_curvature
-from hysdel_py.optimize.compiled import kernels_are_compiled
-from hysdel_py.optimize.dense import NO_GUESS, DenseSolver
-from hysdel_py.optimize.mixed_integer import Cover, Miqp, MiqpResult, MiqpSettings, NodeFate, NodeRecord, SearchInfo
+from hysdel_py.compiled import kernels_are_compiled
+from hysdel_py.optimize.compiled_propagation import CompiledPropagator
+from hysdel_py.optimize.dense import NO_GUESS
+from hysdel_py.optimize.kernels import places as its
+from hysdel_py.optimize.mixed_integer import Cover, MiqpResult, NodeFate, NodeRecord, SearchInfo
 from hysdel_py.optimize.propagation import Box
 from hysdel_py.optimize.qp import Qp
 from hysdel_py.optimize.search import Node, Search
+from hysdel_py.optimize.workspace import Workspace
 
 if TYPE_CHECKING:
     from hysdel_py.optimize.miqp import MiqpSolver
 
-__all__ = ["CompiledSearch", "Hints", "Workspace"]
+__all__ = ["CompiledSearch", "Hints"]
 
 Vector = NDArray[np.float64]
-ROOM = 64
-"""Nodes for which there is room at first."""
-WORDS = 64
-"""Guessed words that are remembered."""
 SLICE = 256
 """Most nodes between two looks at the clock where nobody listens."""
 PATIENCE = 0.5
@@ -36,124 +34,6 @@ PATIENCE = 0.5
 NOTHING = np.zeros(0)
 _FATES = (NodeFate.SPLIT, NodeFate.CUT_OFF, NodeFate.INFEASIBLE, NodeFate.LEAF)
 """In the order of the numbers that the loop has for them."""
-
-
-class Workspace:
-    """Everything that the compiled loop keeps between calls, for one set of matrices.
-
-    Attributes
-    ----------
-    tree, state : tuples of arrays
-        See :mod:`hysdel_py.optimize.kernels.search`.
-    """
-
-    def __init__(self, miqp: Miqp, settings: MiqpSettings, dense: DenseSolver, columns: Any) -> None:
-        from hysdel_py.optimize.kernels.search import NUMBERS
-        from hysdel_py.optimize.kernels.tree import COUNTERS
-
-        n, m = miqp.qp.n, miqp.qp.m
-        self.dense, self.columns = dense, columns
-        self.binaries, self.priorities = miqp.binaries.astype(np.int64), np.array(miqp.priorities, dtype=float)
-        self.decisions = _decisions(miqp)
-        self.spare = diagonal_curvature(miqp.qp.P)
-        self.rounding = 2 * (n + m + 8) * UNIT_ROUNDOFF
-        self.tree = _room(ROOM, n, min(n, dense.settings.largest), len(self.binaries))
-        self.recorded = _no_cover(settings.leaves, n, m, len(self.binaries))
-        self.nothing_carried = _no_cover(0, n, m, len(self.binaries))[:5]
-        self.state = (
-            np.zeros(n), np.zeros(NUMBERS), np.zeros(COUNTERS, dtype=np.int64), (np.zeros(n), np.zeros(n)),
-            np.full(n, np.nan), np.zeros(WORDS, dtype=np.int64), (np.zeros(n), np.zeros(n)),
-            np.zeros((n, 2), dtype=np.int64), np.zeros((WORDS, len(self.binaries))), np.zeros((n, 4)),
-            np.zeros(len(self.binaries), dtype=np.int64), np.zeros(m), self.recorded,
-            (np.zeros(n), np.zeros(m)), self.nothing_carried,
-        )  # fmt: skip
-        s, d, p = settings, dense.settings, settings.propagation
-        self.settings = (
-            (float(s.gap_abs), float(s.gap_rel)),
-            (float(d.tolerance), int(d.iterations), float(d.proximity), int(d.rounds), int(d.largest)),
-            (float(p.margin), float(p.integrality), float(p.progress), float(p.huge), int(p.rounds)),
-            float(s.feasibility), float(s.integrality), int(s.rounding), int(s.probing), bool(s.narrowing),
-        )  # fmt: skip
-
-    def data(self, qp: Qp, curvature: Vector | None) -> tuple[Any, ...]:
-        """What the kernels are told of a problem with these matrices."""
-        d = self.dense
-        q, l, u, lb, ub = (np.array(vector) for vector in (qp.q, qp.l, qp.u, qp.lb, qp.ub))  # noqa: E741
-        rows = (*d.rows[:2], d.rows[2].copy())  # probing changes them
-        problem = (d.P, q, rows, l, u, d.integer)
-        known = (float(qp.constant), np.zeros(qp.n) if curvature is None else np.array(curvature), self.rounding)
-        return (
-            problem,
-            d.groups,
-            self.columns,
-            (lb, ub),
-            self.decisions,
-            self.binaries,
-            self.priorities,
-            known,
-            self.spare,
-        )
-
-    def grow(self) -> None:
-        """Make room for twice as many nodes."""
-        room, n = self.tree[0].shape
-        larger = _room(2 * room, n, self.tree[5].shape[1], len(self.binaries))
-        for new, old in zip(larger, self.tree, strict=True):
-            new[:room] = old
-        self.tree = larger
-
-    def carry(self, cover: Cover | None) -> None:
-        """Forget the ends of the last tree, and take in those from which the next one is to begin."""
-        limits = self.recorded[5]
-        limits[:] = 0, len(self.binaries)
-        self.state = (*self.state[:-1], self.nothing_carried if cover is None else cover.arrays())
-        while cover is not None and len(self.tree[7]) < len(cover.lengths) + 2:
-            self.grow()
-
-    def noted(self) -> Cover | None:
-        """The ends of the tree, if there are several; nodes that are still open are among them."""
-        from hysdel_py.optimize.kernels.cover import COUNT, keep_open
-
-        if not len(self.recorded[0]):
-            return None
-        keep_open(self.tree, self.state[2], self.recorded)
-        count = int(self.recorded[5][COUNT])
-        return Cover(*(array[:count].copy() for array in self.recorded[:5])) if count > 1 else None
-
-
-def _no_cover(size: int, n: int, m: int, binaries: int) -> tuple[Any, ...]:
-    """Room for the ends of a tree; see :mod:`hysdel_py.optimize.kernels.cover`."""
-    whole = [np.zeros(shape, dtype=np.int64) for shape in ((size, binaries), size)]
-    return (
-        *whole,
-        np.zeros((size, n)),
-        np.zeros((size, m)),
-        np.zeros(size, dtype=np.int64),
-        np.zeros(2, dtype=np.int64),
-    )
-
-
-def _room(size: int, n: int, width: int, binaries: int) -> tuple[Any, ...]:
-    """Arrays for the nodes of a tree."""
-    whole = [np.zeros(shape, dtype=np.int64) for shape in (size, (size, width), size)]
-    real = [np.zeros(shape) for shape in ((size, n), (size, n), size)]
-    split = np.zeros((size, 3), dtype=np.int64)
-    ways = np.zeros((size, binaries), dtype=np.int64)
-    return (*real, split, *whole, np.arange(size), np.zeros((size, n)), ways)
-
-
-def _decisions(miqp: Miqp) -> tuple[NDArray[np.int64], NDArray[np.bool_]]:
-    """Drivers and binaries in the order in which a guess settles them, and which are drivers.
-
-    With drivers that is the order of the variables, which follows time; without, that of the priorities.
-    """
-    if not len(miqp.drivers):
-        order = np.argsort(miqp.priorities, kind="stable")
-        return miqp.binaries[order].astype(np.int64), np.zeros(len(order), dtype=np.bool_)
-    both = np.concatenate([miqp.drivers, miqp.binaries]).astype(np.int64)
-    real = np.arange(len(both)) < len(miqp.drivers)
-    order = np.argsort(both, kind="stable")
-    return both[order], real[order]
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -222,7 +102,7 @@ class CompiledSearch:
 
     def _learnt(self, hints: Hints) -> Vector | None:
         """The pseudo-costs, None as long as no node has been split."""
-        learnt: Vector = self.space.state[9]
+        learnt: Vector = self.space.state[its.COSTS]
         return learnt.copy() if hints.pseudo_costs is not None or self.search.nodes > 1 else None
 
     def rehearse(self) -> None:
@@ -233,12 +113,26 @@ class CompiledSearch:
 
         self._start(Hints())  # may well find the program empty, without the numbers of a call
         self._loop(0)
-        space, problem, (lb, ub) = self.space, self.data[0], self.data[3]
+        space, problem, (lb, ub) = self.space, self.data[its.PROBLEM], self.data[its.WIDE]
         nowhere = np.full(len(problem[3]), -1, dtype=np.int64)
         violations(space.dense.rows, problem[3], problem[4], lb, ub, np.zeros(len(lb)))
-        keep_open(space.tree, np.zeros_like(space.state[2]), space.recorded)
-        least_open(space.tree[2], space.tree[7], np.zeros_like(space.state[2]))
+        keep_open(space.tree, np.zeros_like(space.state[its.COUNTERS]), space.recorded)
+        least_open(space.tree[its.BOUNDS], space.tree[its.ORDER], np.zeros_like(space.state[its.COUNTERS]))
         later(space.nothing_carried, 0, np.zeros(len(lb)), 1, 1, nowhere)
+        self._rehearse_help()
+
+    def _rehearse_help(self) -> None:
+        """The same for what is only needed where a node needs other means; the next start forgets what this leaves."""
+        from hysdel_py.optimize.kernels.search import note_word
+
+        self.space.dense.warm_up()
+        if isinstance(self.search.solver.propagator, CompiledPropagator):
+            self.search.solver.propagator.warm_up()
+        lb, ub = self.data[its.WIDE]
+        self.search.stack.append(Node(Box(lb, ub), -1, 0.0, -inf, 0, None))
+        self._hand_over()
+        self._keep_end()
+        note_word(np.zeros(len(self.space.binaries)), self.space.state)
 
     def _start(self, hints: Hints) -> bool:
         """Open the root; False if propagation proves the problem empty."""
@@ -248,7 +142,7 @@ class CompiledSearch:
         word = NOTHING if hints.word is None else np.array(hints.word, dtype=float)
         guess = (float(hints.floor), point, word, NO_GUESS if hints.active is None else hints.active)
         self.space.carry(hints.cover)
-        self.space.state[9][:] = 0.0 if hints.pseudo_costs is None else hints.pseudo_costs
+        self.space.state[its.COSTS][:] = 0.0 if hints.pseudo_costs is None else hints.pseudo_costs
         self.search.known, self.search.elsewhere = hints.floor, 1
         return bool(start(self.data, self.space.tree, self.space.state, self.space.settings, guess))
 
@@ -287,7 +181,9 @@ class CompiledSearch:
     def _root_active(self) -> NDArray[np.int64]:
         from hysdel_py.optimize.kernels import tree
 
-        active: NDArray[np.int64] = self.space.state[7][: self.space.state[2][tree.ACTIVE]].copy()
+        active: NDArray[np.int64] = self.space.state[its.ROOT_ACTIVE][
+            : self.space.state[its.COUNTERS][tree.ACTIVE]
+        ].copy()
         return active
 
     def _slice(self) -> int:
@@ -317,7 +213,11 @@ class CompiledSearch:
         s.floor = float(numbers[kernel.FLOOR])
         s.nodes, s.solves_elsewhere = int(counters[tree.NODES]), int(counters[tree.SOLVES])
         s.elsewhere = int(counters[tree.OPEN])
-        s.pending = float(tree.least_open(self.space.tree[2], self.space.tree[7], counters)) if s.elsewhere else inf
+        s.pending = (
+            float(tree.least_open(self.space.tree[its.BOUNDS], self.space.tree[its.ORDER], counters))
+            if s.elsewhere
+            else inf
+        )
 
     def _hand_over(self) -> None:
         """Tell the compiled loop what the search in Python has found; the open nodes move there."""
@@ -330,13 +230,13 @@ class CompiledSearch:
             x[:] = s.x
         numbers[kernel.OBJECTIVE], numbers[kernel.FLOOR] = s.objective, s.floor
         for node in s.stack:
-            if counters[tree.OPEN] >= len(self.space.tree[7]):
+            if counters[tree.OPEN] >= len(self.space.tree[its.ORDER]):
                 self.space.grow()
             box = node.box.lb, node.box.ub
             near = np.array(box[0] if node.guess is None else node.guess.x)
             near = np.where(np.isfinite(near), near, 0.0)
             fixed = int(node.variable), float(node.value)
-            way = self.space.state[10]
+            way = self.space.state[its.HERE]
             tree.push(self.space.tree, counters, box, float(node.bound), *fixed, NO_GUESS, near, way)
         counters[tree.DIVE] = len(s.stack) > 0
         s.stack.clear()
@@ -349,7 +249,7 @@ class CompiledSearch:
         _, numbers, counters, box = self.space.state[:4]
         s = self.search
         if not hasattr(s, "root"):
-            s.root = Box(self.space.state[6][0].copy(), self.space.state[6][1].copy())
+            s.root = Box(self.space.state[its.ROOT][0].copy(), self.space.state[its.ROOT][1].copy())
         s.nodes -= 1  # the loop has counted this node
         before = s.record
         inside = Box(box[0].copy(), box[1].copy())
@@ -366,7 +266,14 @@ class CompiledSearch:
         from hysdel_py.optimize.kernels import cover, tree
 
         state = self.space.state
-        cover.keep(self.space.recorded, state[10], int(state[2][tree.DEPTH]), state[4], state[11], cover.OPEN_END)
+        cover.keep(
+            self.space.recorded,
+            state[its.HERE],
+            int(state[its.COUNTERS][tree.DEPTH]),
+            state[its.RELAXED],
+            state[its.MULTIPLIERS],
+            cover.OPEN_END,
+        )
 
     def _ask_heuristic(self) -> None:
         """Let the caller's heuristic look at the relaxed point of the last node, if it had one."""

@@ -22,15 +22,16 @@ from numpy.typing import ArrayLike, NDArray
 from hysdel_py.errors import ArgumentError
 from hysdel_py.optimize.backends.registry import get_backend
 from hysdel_py.optimize.binary_squares import without_binary_squares
-from hysdel_py.optimize.compiled import kernels_are_compiled
+from hysdel_py.compiled import kernels_are_compiled
 from hysdel_py.optimize.compiled_propagation import CompiledPropagator, propagator
-from hysdel_py.optimize.compiled_search import CompiledSearch, Hints, Workspace
+from hysdel_py.optimize.compiled_search import CompiledSearch, Hints
 from hysdel_py.optimize.dense import dense_solver
 from hysdel_py.optimize.heuristics import Guesser
 from hysdel_py.optimize.mixed_integer import Cover, Miqp, MiqpResult, MiqpSettings, MiqpStatus, SearchInfo
 from hysdel_py.optimize.qp import Qp
 from hysdel_py.optimize.search import Search
 from hysdel_py.optimize.verified import VerifiedSolver
+from hysdel_py.optimize.workspace import Workspace
 
 __all__ = ["Miqp", "MiqpResult", "MiqpSettings", "MiqpSolver", "MiqpStatus", "SearchInfo", "solve_miqp"]
 
@@ -135,9 +136,9 @@ class MiqpSolver:
         if q is not None and self._shift.any():
             qp = qp.with_vectors(qp.q + self._shift)
         if self.workspace is not None:
-            point = None if point is None else np.asarray(point)
             self._check_experience(pseudo_costs, cover)
-            hints = Hints(floor, self._guess(incumbent), point, active, pseudo_costs, cover)
+            self._check_active(active)
+            hints = Hints(floor, self._guess(incumbent), self._point(point), active, pseudo_costs, cover)
             return CompiledSearch(self, qp, start, heuristic, progress).run(hints)
         search = Search(self, qp, start)
         search.heuristic, search.known = heuristic, floor
@@ -172,6 +173,24 @@ class MiqpSolver:
         expected = (ends, count), (ends,), (ends, n), (ends, m), (ends,)
         if tuple(array.shape for array in cover.arrays()) != expected:
             raise ArgumentError(f"cover is not one of a program with {n} variables, {m} rows and {count} binaries")
+
+    def _check_active(self, active: NDArray[np.int64] | None) -> None:
+        """Refuse active inequalities of a program of another size."""
+        if active is None:
+            return
+        if np.ndim(active) != 2 or active.shape[1] != 2:
+            raise ArgumentError(f"active has shape {np.shape(active)}: (rows, 2) was expected")
+        most = self.miqp.qp.m + self.miqp.qp.n
+        if ((active[:, 0] < 0) | (active[:, 0] >= most)).any():
+            raise ArgumentError(f"active names rows outside of 0 to {most - 1}, those of the rows and bounds")
+
+    def _point(self, point: ArrayLike | None) -> Vector | None:
+        if point is None:
+            return None
+        known, n = np.asarray(point, dtype=float), self.miqp.qp.n
+        if known.shape != (n,):
+            raise ArgumentError(f"point has shape {known.shape}: ({n},) was expected")
+        return known
 
     def _guess(self, incumbent: ArrayLike | None) -> Vector | None:
         if incumbent is None:

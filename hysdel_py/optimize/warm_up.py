@@ -6,7 +6,7 @@ from time import perf_counter
 
 import numpy as np
 
-from hysdel_py.optimize.compiled import kernels_are_compiled
+from hysdel_py.compiled import kernels_are_compiled
 from hysdel_py.optimize.mixed_integer import Miqp, MiqpSettings
 from hysdel_py.optimize.qp import Qp
 

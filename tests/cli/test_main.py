@@ -23,6 +23,15 @@ def test_no_command_shows_the_help_and_says_what_was_expected(hysdel):
     assert shown.out == ""
 
 
+def test_the_package_runs_as_the_command():
+    command = [sys.executable, "-m", "hysdel_py", "--version"]
+    shown = subprocess.run(command, capture_output=True, text=True, check=False)
+    assert (shown.returncode, shown.stderr) == (0, "")
+    assert hysdel_py.__version__ in shown.stdout
+    wrong = subprocess.run([*command[:3], "nonsense"], capture_output=True, text=True, check=False)
+    assert wrong.returncode == 2
+
+
 def test_help_of_everything(hysdel):
     shown = hysdel("--help")
     assert shown.status == 0

@@ -84,6 +84,12 @@ def test_what_a_search_of_another_program_handed_on_is_refused(two_mode_problem)
     settings = MiqpSettings(backend="dense", rounding=0, leaves=8)
     short, long = (MiqpSolver(two_mode_problem(horizon=h), settings) for h in (4, 6))
     found = long.solve()
+    with pytest.raises(ArgumentError, match="point has shape"):
+        short.solve(point=found.x)
+    with pytest.raises(ArgumentError, match="active names rows outside"):
+        short.solve(active=np.array([[10**6, 1]]))
+    with pytest.raises(ArgumentError, match="active has shape"):
+        short.solve(active=np.zeros(3, dtype=np.int64))
     with pytest.raises(ArgumentError, match="pseudo_costs has shape"):
         short.solve(pseudo_costs=found.pseudo_costs)
     with pytest.raises(ArgumentError, match="cover is not one of a program with"):

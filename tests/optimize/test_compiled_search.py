@@ -5,9 +5,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from hysdel_py.optimize import compiled_search
+from hysdel_py.optimize import workspace
 from hysdel_py.optimize.certificate import Certifier
-from hysdel_py.optimize.compiled import kernels_are_compiled
+from hysdel_py.compiled import kernels_are_compiled
 from hysdel_py.optimize.compiled_search import CompiledSearch
 from hysdel_py.optimize.dense import DenseSettings, dense_solver
 from hysdel_py.optimize.kernels.certificate import bound_below, excess, farkas_bound
@@ -15,6 +15,7 @@ from hysdel_py.optimize.miqp import MiqpSettings, MiqpSolver, MiqpStatus, solve_
 from hysdel_py.optimize.mixed_integer import NodeFate
 from hysdel_py.optimize.node_log import NodeLog
 from hysdel_py.optimize.qp import violation
+from hysdel_py.optimize.workspace import Workspace
 
 COUNT = 40
 
@@ -78,7 +79,7 @@ def test_what_the_loop_hands_back_is_settled_by_other_means(small_problem, oracl
     miqp = small_problem(seed)
     solver = MiqpSolver(miqp, MiqpSettings(backend="dense"))
     solver.verified.dense.settings = DenseSettings(largest=0)
-    solver.workspace = compiled_search.Workspace(
+    solver.workspace = Workspace(
         miqp, solver.settings, solver.verified.dense, solver.workspace.columns
     )  # fmt: skip
     result = solver.solve()
@@ -93,7 +94,7 @@ def test_what_the_loop_hands_back_is_settled_by_other_means(small_problem, oracl
 def test_the_tree_grows(two_mode_problem, monkeypatch):
     settings = MiqpSettings(backend="dense", rounding=0)
     wide = solve_miqp(two_mode_problem(horizon=6), settings)
-    monkeypatch.setattr(compiled_search, "ROOM", 2)
+    monkeypatch.setattr(workspace, "ROOM", 2)
     narrow = solve_miqp(two_mode_problem(horizon=6), settings)
     assert wide.nodes > 5
     assert (narrow.objective, narrow.nodes, narrow.bound) == (wide.objective, wide.nodes, wide.bound)
@@ -124,12 +125,12 @@ def test_warming_up_leaves_nothing_to_compile(two_mode_problem):
     from hysdel_py.optimize.warm_up import warm_up
 
     assert warm_up() >= 0.0
-    if hasattr(kernel.run, "signatures"):
-        before = len(kernel.run.signatures), len(kernel.start.signatures)
+    if kernels_are_compiled():
+        before = len(kernel.run.entry.signatures), len(kernel.start.entry.signatures)
         best = solve_miqp(two_mode_problem(horizon=4), MiqpSettings(backend="dense"))
         solver = MiqpSolver(two_mode_problem(horizon=4), MiqpSettings(backend="dense"))
         solver.solve(point=best.x, active=best.active, incumbent=best.x)
-        assert (len(kernel.run.signatures), len(kernel.start.signatures)) == before
+        assert (len(kernel.run.entry.signatures), len(kernel.start.entry.signatures)) == before
 
 
 @pytest.mark.skipif(not kernels_are_compiled(), reason="nothing to rehearse without numba")

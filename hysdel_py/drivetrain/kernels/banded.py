@@ -16,7 +16,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from hysdel_py.optimize.compiled import compiled
+from hysdel_py.compiled import compiled
 
 __all__ = ["DEPENDENT", "Band", "factor", "solve_factored"]
 

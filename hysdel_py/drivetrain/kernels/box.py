@@ -19,7 +19,7 @@ from __future__ import annotations
 import numpy as np
 
 from hysdel_py.drivetrain.kernels.delassus import band_step, dense_step, is_dense, magnitudes, slips
-from hysdel_py.optimize.compiled import compiled
+from hysdel_py.compiled import compiled
 
 __all__ = ["free_step", "solve_box"]
 

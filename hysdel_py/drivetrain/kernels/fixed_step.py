@@ -16,7 +16,7 @@ from hysdel_py.drivetrain.kernels.forces import (
 )
 from hysdel_py.drivetrain.kernels.mode_iteration import update_modes
 from hysdel_py.drivetrain.kernels.rows import times
-from hysdel_py.optimize.compiled import compiled
+from hysdel_py.compiled import compiled
 
 __all__ = ["run"]
 

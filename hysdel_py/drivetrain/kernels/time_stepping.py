@@ -28,7 +28,7 @@ from hysdel_py.drivetrain.kernels.forces import (
 )
 from hysdel_py.drivetrain.kernels.prox import solve_prox
 from hysdel_py.drivetrain.kernels.rows import times
-from hysdel_py.optimize.compiled import compiled
+from hysdel_py.compiled import compiled
 
 __all__ = [
     "NEGATIVE", "OPEN", "POSITIVE", "STICK", "advance", "count_work", "free_motion", "limits_of", "may_hold",

@@ -17,7 +17,7 @@ from typing import Any
 
 import numpy as np
 
-from hysdel_py.compiled import kernels_are_compiled, leaf, step
+from hysdel_py.compiled import kernels_are_compiled, leaf
 
 __all__ = ["TOO_LONG", "UNSURE", "extreme_rays"]
 
@@ -33,7 +33,7 @@ _ONE = np.uint64(1)
 _NONE = np.uint64(0)
 
 
-@step
+@leaf
 def _to_unit(rays: Any, k: int) -> None:
     total = 0.0
     for j in range(rays.shape[1]):
@@ -43,7 +43,7 @@ def _to_unit(rays: Any, k: int) -> None:
         rays[k, j] /= total
 
 
-@step
+@leaf
 def _farthest_from_lines(H: Any, lines: Any, left: int, used: Any, pair: Any) -> float:
     """The unused row and the line with the greatest value, and that value; the first of about equal ones."""
     most = 0.0
@@ -59,7 +59,7 @@ def _farthest_from_lines(H: Any, lines: Any, left: int, used: Any, pair: Any) ->
     return most
 
 
-@step
+@leaf
 def _made_ray(H: Any, lines: Any, left: int, pair: Any, rays: Any, count: int) -> None:
     """The line of a pair becomes the last ray; the other lines and rays move along it onto the row of the pair."""
     row, line, d = pair[0], pair[1], H.shape[1]
@@ -86,7 +86,7 @@ def _made_ray(H: Any, lines: Any, left: int, pair: Any, rays: Any, count: int) -
     _to_unit(rays, count)
 
 
-@step
+@leaf
 def _judged(H: Any, row: int, rays: Any, count: int, values: Any, order: Any) -> int:
     """Values of a row at all rays, zero where they are about zero.
 
@@ -113,7 +113,7 @@ def _judged(H: Any, row: int, rays: Any, count: int, values: Any, order: Any) ->
     return above
 
 
-@step
+@leaf
 def _are_neighbours(bits: Any, count: int, p: int, q: int, least: int) -> bool:
     """Whether no third ray fulfils with equality all rows that two do; there must be a least number of them."""
     words, shared = bits.shape[1], 0
@@ -167,7 +167,7 @@ _neighbours = step(_neighbours_loops) if kernels_are_compiled() else _neighbours
 """Pairs of neighbours on two sides of a row, in order; how many."""
 
 
-@step
+@leaf
 def _joined(rays: Any, bits: Any, count: int, values: Any, pairs: Any, found: int) -> int:
     """Add the ray on a row between each pair of neighbours; how many there are then."""
     if count + found >= len(rays):
@@ -183,7 +183,7 @@ def _joined(rays: Any, bits: Any, count: int, values: Any, pairs: Any, found: in
     return count + found
 
 
-@step
+@leaf
 def _kept(rays: Any, bits: Any, total: int, values: Any, row: int) -> int:
     """Drop the rays on the far side of a row, and note those on the row."""
     left = 0
@@ -200,7 +200,7 @@ def _kept(rays: Any, bits: Any, total: int, values: Any, row: int) -> int:
     return left
 
 
-@step
+@leaf
 def _stands(H: Any, rays: Any, bits: Any, count: int) -> bool:
     """Whether each ray fulfils all rows, and those with equality that it should."""
     for k in range(count):
@@ -214,7 +214,7 @@ def _stands(H: Any, rays: Any, bits: Any, count: int) -> bool:
     return True
 
 
-@step
+@leaf
 def _started(H: Any, lines: Any, rays: Any, bits: Any, used: Any, pair: Any) -> int:
     """The rays of the cone of some independent rows; what is left of the lines stays. How many rays, or UNSURE."""
     d: int = H.shape[1]

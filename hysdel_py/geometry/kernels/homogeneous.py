@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from hysdel_py.compiled import leaf, step
+from hysdel_py.compiled import leaf
 
 __all__ = ["dual", "generated", "homogeneous", "sort"]
 
@@ -26,7 +26,7 @@ _LEAST_ROOM = 1e-10
 _SWEEPS = 2
 
 
-@step
+@leaf
 def _middle(A: Any, margin: Any, point: Any, j: int, least: float, size: float) -> float:
     """Move a point to the middle of the set along a coordinate, or near its only end, by a size that is given.
 
@@ -110,7 +110,7 @@ def homogeneous(A: Any, b: Any, least: float, point: Any, scale: Any, margin: An
     return True
 
 
-@step
+@leaf
 def _digits(value: float, size: float) -> float:
     return float(np.rint(value / size * 1e9))
 
@@ -177,7 +177,7 @@ def dual(points: Any, rays: Any, lines: Any, least: float, middle: Any, sizes: A
             H[i, j] /= max(np.sqrt(total), 1e-300)
 
 
-@step
+@leaf
 def _polished(A: Any, b: Any, active: Any, k: int, found: Any) -> float:
     """Move a vertex onto the rows that meet there, one after the other: what is left are errors of rounding.
 

@@ -15,7 +15,7 @@ from typing import Any
 
 import numpy as np
 
-from hysdel_py.compiled import kernels_are_compiled, step
+from hysdel_py.compiled import kernels_are_compiled, leaf
 
 __all__ = ["INFEASIBLE", "OPTIMAL", "UNBOUNDED", "UNKNOWN", "solved"]
 
@@ -82,7 +82,7 @@ worst_row = step(_worst_row_loops) if kernels_are_compiled() else _worst_row_arr
 """The row that a point ``near + M far`` exceeds most; -1 if it exceeds none."""
 
 
-@step
+@leaf
 def _worst_end(lb: Any, ub: Any, near: Any, far: Any, m: int) -> int:
     """The end of a variable that a point exceeds most, by its number among the constraints; -1 if it exceeds none."""
     n, worst, most_near, most_far = len(lb), -1, 0.0, 0.0
@@ -101,7 +101,7 @@ def _worst_end(lb: Any, ub: Any, near: Any, far: Any, m: int) -> int:
     return worst
 
 
-@step
+@leaf
 def _normal_of(constraint: int, G: Any, m: int, normal: Any) -> None:
     """Normal of a constraint: a row, or plus or minus a unit vector for an upper or a lower end."""
     n = G.shape[1]
@@ -118,7 +118,7 @@ def _normal_of(constraint: int, G: Any, m: int, normal: Any) -> None:
         normal[k - n] = -1.0
 
 
-@step
+@leaf
 def _side_of(constraint: int, h: Any, m: int, lb: Any, ub: Any) -> tuple[float, float]:
     """Side of a constraint, finite and in terms of M."""
     n = len(lb)
@@ -129,7 +129,7 @@ def _side_of(constraint: int, h: Any, m: int, lb: Any, ub: Any) -> tuple[float, 
     return (0.0, 1.0) if end == np.inf else (end, 0.0)
 
 
-@step
+@leaf
 def _leaving(price: Any, share: Any) -> int:
     """The constraint whose multiplier reaches zero first; of those that nearly do the one that enters most."""
     least = np.inf
@@ -143,7 +143,7 @@ def _leaving(price: Any, share: Any) -> int:
     return leaves
 
 
-@step
+@leaf
 def _exchanged(inverse: Any, price: Any, share: Any, leaves: int) -> None:
     """A new row takes the place of a constraint in the basis: its inverse and the multipliers follow."""
     n = len(price)
@@ -158,7 +158,7 @@ def _exchanged(inverse: Any, price: Any, share: Any, leaves: int) -> None:
         inverse[i, leaves] = pivot
 
 
-@step
+@leaf
 def _placed(inverse: Any, basis: Any, h: Any, m: int, lb: Any, ub: Any, near: Any, far: Any) -> bool:
     """The point in which the constraints of the basis meet; whether it depends on M."""
     n = len(basis)
@@ -176,7 +176,7 @@ def _placed(inverse: Any, basis: Any, h: Any, m: int, lb: Any, ub: Any, near: An
     return is_far
 
 
-@step
+@leaf
 def _refined(
     inverse: Any, basis: Any, G: Any, h: Any, m: int, lb: Any, ub: Any, near: Any, normal: Any, rest: Any
 ) -> None:
@@ -192,7 +192,7 @@ def _refined(
             near[i] += inverse[i, k] * rest[k]
 
 
-@step
+@leaf
 def _how_far(G: Any, h: Any, m: int, lb: Any, ub: Any, near: Any, far: Any) -> float:
     """Least M, not below 1, with which the point fulfils everything."""
     n = G.shape[1]
@@ -212,7 +212,7 @@ def _how_far(G: Any, h: Any, m: int, lb: Any, ub: Any, near: Any, far: Any) -> f
     return most
 
 
-@step
+@leaf
 def _product(v: Any, w: Any) -> float:
     total = 0.0
     for j in range(len(v)):
@@ -220,7 +220,7 @@ def _product(v: Any, w: Any) -> float:
     return total
 
 
-@step
+@leaf
 def _shared(normal: Any, inverse: Any, share: Any) -> float:
     """A normal as a combination of those of the basis; returns 1 and the sizes of its weights together."""
     n, total = len(normal), 1.0
@@ -232,7 +232,7 @@ def _shared(normal: Any, inverse: Any, share: Any) -> float:
     return total
 
 
-@step
+@leaf
 def _told(
     c: Any, G: Any, h: Any, m: int, lb: Any, ub: Any, w: Any, y: Any, basis: Any, inverse: Any, space: Any
 ) -> int:
@@ -253,7 +253,7 @@ def _told(
     return OPTIMAL
 
 
-@step
+@leaf
 def _started(c: Any, lb: Any, ub: Any, m: int, basis: Any, inverse: Any, price: Any) -> None:
     """The ends of the variables that suit the costs."""
     n = len(c)
@@ -267,7 +267,7 @@ def _started(c: Any, lb: Any, ub: Any, m: int, basis: Any, inverse: Any, price: 
         price[j] = abs(c[j])
 
 
-@step
+@leaf
 def solved(
     c: Any, G: Any, h: Any, m: int, lb: Any, ub: Any, w: Any, y: Any, basis: Any, inverse: Any, space: Any
 ) -> int:

@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from hysdel_py.compiled import leaf, step
+from hysdel_py.compiled import leaf
 from hysdel_py.geometry.kernels.linear_program import INFEASIBLE, OPTIMAL, UNBOUNDED, UNKNOWN, solved
 
 __all__ = ["maximised", "screened"]
@@ -20,7 +20,7 @@ _CLEARLY_FIRST = 1e-6
 """A ray proves a row only if it meets all others later by this much, relative to its length."""
 
 
-@step
+@leaf
 def _unit_rows(A: Any, b: Any, G: Any, h: Any, rows: Any, least: float) -> int:
     """Rows of unit length that have coefficients and a finite side, with their numbers.
 
@@ -44,7 +44,7 @@ def _unit_rows(A: Any, b: Any, G: Any, h: Any, rows: Any, least: float) -> int:
     return count
 
 
-@step
+@leaf
 def _is_sound(c: Any, G: Any, h: Any, m: int, lb: Any, ub: Any, w: Any, y: Any, tolerance: float) -> bool:
     """Whether a point fulfils unit rows, and its value is within a tolerance of what the multipliers prove near it."""
     value = bound = 0.0
@@ -70,7 +70,7 @@ def _is_sound(c: Any, G: Any, h: Any, m: int, lb: Any, ub: Any, w: Any, y: Any, 
     return bound - value <= tolerance * max(1.0, abs(value))
 
 
-@step
+@leaf
 def _proven(c: Any, A: Any, b: Any, lb: Any, ub: Any, y: Any) -> float:
     """Upper bound of the value from multipliers of the rows as they are given, with an allowance for rounding."""
     m, n = A.shape
@@ -95,7 +95,7 @@ def _proven(c: Any, A: Any, b: Any, lb: Any, ub: Any, y: Any) -> float:
     return bound
 
 
-@step
+@leaf
 def _priced(A: Any, rows: Any, count: int, prices: Any, y: Any) -> None:
     """Multipliers of the rows as they are given from those of the unit rows."""
     for i in range(len(y)):
@@ -107,7 +107,7 @@ def _priced(A: Any, rows: Any, count: int, prices: Any, y: Any) -> None:
         y[rows[i]] = prices[i] / np.sqrt(total)
 
 
-@step
+@leaf
 def _distinct(G: Any, h: Any, rows: Any, count: int, parallel: float) -> int:
     """Of parallel rows keep the tightest, of equal ones the first; returns how many are left."""
     kept = 0
@@ -132,7 +132,7 @@ def _distinct(G: Any, h: Any, rows: Any, count: int, parallel: float) -> int:
     return kept
 
 
-@step
+@leaf
 def _met_first(G: Any, h: Any, count: int, inside: Any, point: int, distance: Any, known: Any) -> None:
     """Mark the rows that a ray from an inner point along some row's normal meets first, and no other nearly as soon."""
     n = G.shape[1]
@@ -178,7 +178,7 @@ def screened(A: Any, b: Any, inside: Any, parallel: float, G: Any, h: Any, rows:
     return count
 
 
-@step
+@leaf
 def _dropped(G: Any, h: Any, row: int) -> None:
     h[row] = np.inf
     for j in range(G.shape[1]):

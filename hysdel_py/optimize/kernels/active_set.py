@@ -16,7 +16,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from hysdel_py.optimize.compiled import compiled, leaf
+from hysdel_py.compiled import compiled, leaf
 from hysdel_py.optimize.kernels.linear import add_multiple, dot, square
 
 __all__ = ["BEATEN", "EMPTY", "LIMIT", "SOLVED", "inverse_factor", "nonzeros", "solve", "start_from", "work_space"]
@@ -247,7 +247,7 @@ def drop(place, work):
     work[4][0] = count - 1
 
 
-@compiled
+@leaf
 def minimise_over_active(b, f, work):
     """Point and multipliers of the active rows taken as equations; rows with negative multipliers are let go."""
     while True:

@@ -12,7 +12,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from hysdel_py.optimize.compiled import leaf
+from hysdel_py.compiled import leaf
 
 __all__ = ["branching_variable", "learn"]
 

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from hysdel_py.optimize.compiled import compiled, leaf
+from hysdel_py.compiled import compiled, leaf
 
 __all__ = ["bound_below", "combine", "excess", "farkas_bound", "least_term", "tangent"]
 

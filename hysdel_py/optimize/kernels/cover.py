@@ -19,9 +19,11 @@ from typing import Any
 
 import numpy as np
 
-from hysdel_py.optimize.compiled import compiled, leaf
+from hysdel_py.compiled import compiled, leaf
+from hysdel_py.optimize.kernels import places as its
 from hysdel_py.optimize.kernels.certificate import bound_below, farkas_bound
 from hysdel_py.optimize.kernels.guessing import queue_rows
+from hysdel_py.optimize.kernels.linear import copy_to
 from hysdel_py.optimize.kernels.propagation import propagate
 
 __all__ = [
@@ -44,7 +46,7 @@ COUNT, DEEPEST = 0, 1
 """Entries of the limits."""
 
 
-@compiled
+@leaf
 def keep(cover, way, length, point, multipliers, kind):
     """Note an end; the deepest ends are merged with their neighbours where there is no room. No room at all: nothing.
 
@@ -66,10 +68,12 @@ def keep(cover, way, length, point, multipliers, kind):
     if shortened < length and holds(ways, lengths, limits[COUNT], way, shortened):
         return
     at = limits[COUNT]
-    ways[at, :shortened], lengths[at] = way[:shortened], shortened
+    copy_to(ways[at], way[:shortened])
+    lengths[at] = shortened
     cover[4][at] = kind if shortened == length else OPEN_END
     if cover[4][at] != OPEN_END:
-        cover[2][at], cover[3][at] = point, multipliers
+        copy_to(cover[2][at], point)
+        copy_to(cover[3][at], multipliers)
     limits[COUNT] = at + 1
 
 
@@ -87,7 +91,7 @@ def holds(ways, lengths, count, way, length):
     return False
 
 
-@compiled
+@leaf
 def coarsen(cover):
     """Drop the last decision of the deepest ends, which makes neighbours one."""
     ways, lengths, limits = cover[0], cover[1], cover[5]
@@ -102,18 +106,20 @@ def coarsen(cover):
         if length < lengths[i] and holds(ways, lengths, kept, ways[i], length):
             continue
         cover[4][kept] = cover[4][i] if length == lengths[i] else OPEN_END
-        ways[kept], lengths[kept] = ways[i], length
-        cover[2][kept], cover[3][kept] = cover[2][i], cover[3][i]
+        copy_to(ways[kept], ways[i])
+        lengths[kept] = length
+        copy_to(cover[2][kept], cover[2][i])
+        copy_to(cover[3][kept], cover[3][i])
         kept += 1
     limits[COUNT] = kept
 
 
-@compiled
+@leaf
 def keep_open(tree, counters, cover):
     """Note the nodes that are still open, after a search that was stopped."""
     for at in range(counters[0]):
-        slot = tree[7][at]
-        keep(cover, tree[9][slot], tree[4][slot], tree[8][slot], np.zeros(0), OPEN_END)
+        slot = tree[its.ORDER][at]
+        keep(cover, tree[its.WAYS][slot], tree[its.DEPTHS][slot], tree[its.NEAR][slot], tree[its.NEAR][slot], OPEN_END)
 
 
 @compiled
@@ -131,7 +137,7 @@ def restrict(problem, columns, box, way, length, settings):
     return propagate(problem[2], columns, problem[5], box, (problem[3], problem[4]), queued, settings)[0] < 0
 
 
-@compiled
+@leaf
 def inherited(problem, box, point, multipliers, kind, known):
     """Bound of a part from what the same part was closed with one step before; infinite if it is proven empty."""
     if kind == RAY:
@@ -152,7 +158,7 @@ def wished_rows(multipliers, active, m):
             count += 1
     for i in range(len(active)):
         if active[i, 0] >= m:
-            found[count] = active[i]
+            found[count, 0], found[count, 1] = active[i, 0], active[i, 1]
             count += 1
     return found[:count]
 
@@ -192,8 +198,8 @@ def later(cover: Any, count: int, plan: Any, size: int, stages: int, before: Any
         if not agrees:
             continue
         lengths[kept], kinds[kept] = length, cover[4][i]
-        points[kept] = cover[2][i]
-        points[kept, : stages - size] = cover[2][i, size:stages]
+        copy_to(points[kept], cover[2][i])
+        copy_to(points[kept], cover[2][i, size:stages])
         multipliers[kept] = 0.0
         for row in range(multipliers.shape[1]):
             if before[row] >= 0:

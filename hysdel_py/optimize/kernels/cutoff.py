@@ -15,7 +15,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from hysdel_py.optimize.compiled import compiled, leaf
+from hysdel_py.compiled import compiled, leaf
+from hysdel_py.optimize.kernels import places as its
 from hysdel_py.optimize.kernels.certificate import combine, least_term, tangent
 from hysdel_py.optimize.kernels.guessing import queue_rows
 from hysdel_py.optimize.kernels.propagation import propagate
@@ -44,7 +45,7 @@ def narrow_by_cost(data, box, x, y, cutoff, settings):
     bound, moved, left
         A lower bound over the box as it was; how many bounds of variables moved by the cost; False if nothing is left.
     """
-    problem, columns, known, spare = data[0], data[2], data[7], data[8]
+    problem, columns, known, spare = data[its.PROBLEM], data[its.COLUMNS], data[its.KNOWN], data[its.SPARE]
     n, rounding = len(x), known[2]
     reduced, noise, least = np.empty(n), np.empty(n), np.empty(n)
     square, size = tangent(problem, x, reduced, noise)

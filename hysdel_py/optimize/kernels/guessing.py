@@ -9,13 +9,14 @@ from __future__ import annotations
 
 import numpy as np
 
-from hysdel_py.optimize.compiled import compiled, leaf
+from hysdel_py.compiled import compiled, leaf
+from hysdel_py.optimize.kernels.linear import copy_to
 from hysdel_py.optimize.kernels.propagation import sweep, twice_the_longest
 
 __all__ = ["fix_word", "follow", "narrow"]
 
 
-@compiled
+@leaf
 def narrow(variable, value, rows, columns, integer, box, sides, queued, moved, settings):
     """Fix one variable and propagate; the conflict, -1 without one."""
     box[0][variable] = box[1][variable] = value
@@ -62,7 +63,8 @@ def follow(problem, columns, box, x, decisions, drive, settings):
         before = box[0].copy(), box[1].copy()
         value = 1.0 if x[j] > 0.5 else 0.0
         if narrow(j, value, rows, columns, integer, box, (l, u), queued, moved, settings) >= 0:
-            box[0][:], box[1][:] = before
+            copy_to(box[0], before[0])
+            copy_to(box[1], before[1])
             queued[:] = False
             if narrow(j, 1.0 - value, rows, columns, integer, box, (l, u), queued, moved, settings) >= 0:
                 return False
@@ -85,7 +87,8 @@ def hold_drivers(problem, columns, box, x, decisions, queued, moved, settings):
         moved, settings,
     )[0]  # fmt: skip
     if conflict >= 0:
-        box[0][:], box[1][:] = before
+        copy_to(box[0], before[0])
+        copy_to(box[1], before[1])
         queued[:] = False
 
 

@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
-from hysdel_py.optimize.compiled import leaf, reordered
+from typing import Any
 
-__all__ = ["add_multiple", "dot", "dot_from", "square"]
+from hysdel_py.compiled import either, leaf, reordered
+
+__all__ = ["add_multiple", "copy_to", "dot", "dot_from", "square"]
 
 
 @reordered
@@ -32,6 +34,23 @@ def square(a, first):
     for i in range(first, len(a)):
         total += a[i] * a[i]
     return total
+
+
+def _copy_loop(target: Any, source: Any) -> None:
+    for i in range(len(source)):
+        target[i] = source[i]
+
+
+def _copy_array(target: Any, source: Any) -> None:
+    target[: len(source)] = source
+
+
+copy_to = either(_copy_loop, _copy_array, leaf)
+"""Write a vector over the first entries of another one.
+
+numba's own assignment to a slice comes with a message for arrays that do not fit, which takes longer to compile than
+any kernel here.
+"""
 
 
 @leaf

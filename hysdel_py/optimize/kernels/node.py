@@ -4,11 +4,12 @@ from __future__ import annotations
 
 import numpy as np
 
-from hysdel_py.optimize.compiled import compiled, leaf
+from hysdel_py.compiled import compiled, leaf
 from hysdel_py.optimize.kernels import active_set
 from hysdel_py.optimize.kernels.certificate import bound_below
-from hysdel_py.optimize.kernels.condensing import condense, lift_multipliers
-from hysdel_py.optimize.kernels.linear import dot
+from hysdel_py.optimize.kernels.condensing import condense
+from hysdel_py.optimize.kernels.lifting import lift_multipliers
+from hysdel_py.optimize.kernels.linear import copy_to, dot
 
 __all__ = ["solve_node"]
 
@@ -70,15 +71,43 @@ def solve_node(problem, groups, box, wide, guess, cutoff, settings):
     centre = centre_in(condensed[10], box, guess[1], k)
     iterations = 0
     if cutoff[0] < np.inf:
-        target = cutoff[0] - value_at(problem, z0) - cutoff[1] - 0.5 * dot(rho * centre, centre)
-        status, iterations, row = solve(rows, b, f - rho * centre, work, target, settings[:2])
+        pull = products(rho, centre)
+        target = cutoff[0] - value_at(problem, z0) - cutoff[1] - 0.5 * dot(pull, centre)
+        status, iterations, row = solve(rows, b, difference(f, pull), work, target, settings[:2])
         if status == BEATEN:
             w, y = lifted(problem, groups, condensed, work, status, row)
             if bound_below(problem, box, w, y, cutoff[1:]) >= cutoff[0]:
-                return BEATEN, iterations, w, y, source[work[2][: work[4][0]]]
+                return BEATEN, iterations, w, y, active_rows(source, work)
     status, count, row = approach(rows, b, f, work, centre, (rho, unit), settings)
     w, y = lifted(problem, groups, condensed, work, status, row)
-    return status, iterations + count, w, y, source[work[2][: work[4][0]]]
+    return status, iterations + count, w, y, active_rows(source, work)
+
+
+@compiled
+def products(a, b):
+    """Entries of two vectors multiplied."""
+    result = np.empty(len(a))
+    for i in range(len(a)):
+        result[i] = a[i] * b[i]
+    return result
+
+
+@compiled
+def difference(a, b):
+    """One vector less another one."""
+    result = np.empty(len(a))
+    for i in range(len(a)):
+        result[i] = a[i] - b[i]
+    return result
+
+
+@compiled
+def active_rows(source, work):
+    """The active inequalities in the numbers of the problem."""
+    active = np.empty((work[4][0], 2), dtype=np.int64)
+    for i in range(len(active)):
+        active[i, 0], active[i, 1] = source[work[2][i], 0], source[work[2][i], 1]
+    return active
 
 
 @compiled
@@ -87,7 +116,8 @@ def units(place, wide, k):
 
     A flow of some litres per second beside a level in metres would otherwise get a proximal term of the wrong size.
     """
-    unit = np.ones(k)
+    unit = np.empty(k)
+    unit[:] = 1.0
     for j in range(len(place)):
         if place[j] >= 0:
             width = wide[1][j] - wide[0][j]
@@ -120,7 +150,7 @@ def approach(rows, b, f, work, centre, weights, settings):
     rho, unit = weights
     status, iterations, row, moved = LIMIT, 0, -1, 0.0
     for _ in range(settings[3]):
-        status, count, row = solve(rows, b, f - rho * centre, work, np.inf, settings[:2])
+        status, count, row = solve(rows, b, difference(f, products(rho, centre)), work, np.inf, settings[:2])
         iterations += count
         moved = 0.0
         for i in range(len(f)):
@@ -140,13 +170,16 @@ def lifted(problem, groups, condensed, work, status, row):
         condensed[0], condensed[1], condensed[6], condensed[7], condensed[8], condensed[9]
     )  # fmt: skip
     size = work[4][0]
-    active, weight = work[2][:size].copy(), work[3][:size].copy()
+    active, weight = np.empty(size + 1, dtype=np.int64), np.empty(size + 1)
+    copy_to(active, work[2][:size])
+    copy_to(weight, work[3][:size])
+    active[size], weight[size] = row, 1.0  # a ray, if there is one, takes this much of the row that cannot hold
     w = point(Z, z0, work[5])
-    gradient = np.zeros(len(w))
     if status == EMPTY:
-        active, weight = np.append(active, row), np.append(weight, 1.0)
+        gradient, size = np.zeros(len(w)), size + 1
     else:
         gradient = gradient_at(problem, w)
+    active, weight = active[:size], weight[:size]
     return w, lift_multipliers(problem, groups, (source, length, defining, merged), gradient, active, weight)
 
 
@@ -175,7 +208,8 @@ def middle(box):
 @compiled
 def places_of(guess, source, m, n):
     """Numbers of the wished inequalities among those of this node."""
-    at = np.full((m + n, 2), -1, dtype=np.int64)
+    at = np.empty((m + n, 2), dtype=np.int64)
+    at[:] = -1
     for i in range(len(source)):
         at[source[i, 0], 0 if source[i, 1] > 0 else 1] = i
     found = np.zeros(len(guess), dtype=np.int64)

@@ -17,8 +17,10 @@ from __future__ import annotations
 
 import numpy as np
 
-from hysdel_py.optimize.compiled import compiled, leaf
+from hysdel_py.compiled import compiled, leaf
+from hysdel_py.optimize.kernels import places as its
 from hysdel_py.optimize.kernels.guessing import queue_rows
+from hysdel_py.optimize.kernels.linear import copy_to
 from hysdel_py.optimize.kernels.propagation import noise_of, propagate
 
 __all__ = ["probe"]
@@ -47,7 +49,7 @@ def probe(data, box, settings):
     left, changes
         False if nothing is left of the box; how many bounds and rows changed.
     """
-    problem, columns, binaries = data[0], data[2], data[5]
+    problem, columns, binaries = data[its.PROBLEM], data[its.COLUMNS], data[its.BINARIES]
     changes = 0
     low, high = (box[0].copy(), box[1].copy()), (box[0].copy(), box[1].copy())
     for i in range(len(binaries)):
@@ -63,7 +65,8 @@ def probe(data, box, settings):
             changes += take_hull(box, low, high, settings)
         else:
             only = low if at_zero else high
-            box[0][:], box[1][:] = only
+            copy_to(box[0], only[0])
+            copy_to(box[1], only[1])
             changes += 1
     return True, changes
 
@@ -71,7 +74,8 @@ def probe(data, box, settings):
 @compiled
 def try_value(problem, columns, box, j, value, inside, settings):
     """Write into `inside` what propagation leaves of a box beside a value of a binary; False if that is nothing."""
-    inside[0][:], inside[1][:] = box
+    copy_to(inside[0], box[0])
+    copy_to(inside[1], box[1])
     inside[0][j] = inside[1][j] = value
     queued = np.zeros(len(problem[3]), dtype=np.bool_)
     queue_rows(j, columns[0], columns[1], queued)

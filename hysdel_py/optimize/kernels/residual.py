@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from hysdel_py.optimize.compiled import leaf
+from hysdel_py.compiled import leaf
 
 __all__ = ["violations"]
 

@@ -11,14 +11,16 @@ from __future__ import annotations
 
 import numpy as np
 
-from hysdel_py.optimize.compiled import compiled, leaf
+from hysdel_py.compiled import compiled, leaf
+from hysdel_py.optimize.kernels import places as its
+from hysdel_py.optimize.kernels.linear import copy_to
 
 __all__ = [
     "ACTIVE",
-    "COUNTERS",
     "DEPTH",
     "DIVE",
     "FATE",
+    "HOW_MANY",
     "LAST",
     "NARROWED",
     "NODES",
@@ -43,7 +45,7 @@ active inequalities at the root, words to be tried, slot of the node at hand, wh
 of `split`, and whether an earlier tree has been taken over."""
 NARROWED, PROBING = 14, 15
 """How often a box was narrowed by the cost, and the number of nodes after which the whole problem is probed."""
-COUNTERS = 16
+HOW_MANY = 16
 """Their number."""
 
 
@@ -73,40 +75,41 @@ def least_open(bound, order, counters):
     return least
 
 
-@compiled
+@leaf
 def push(tree, counters, box, bound, variable, value, active, near, way):
     """Open a node below the one that was visited last, whose decisions are `way`; there has to be a free slot."""
-    slot = tree[7][counters[OPEN]]
+    slot = tree[its.ORDER][counters[OPEN]]
     counters[OPEN] += 1
-    tree[0][slot], tree[1][slot] = box
-    tree[2][slot] = bound
-    tree[3][slot, 0], tree[3][slot, 1], tree[3][slot, 2] = variable, value, counters[NODES]
+    copy_to(tree[its.LOWER][slot], box[0])
+    copy_to(tree[its.UPPER][slot], box[1])
+    tree[its.BOUNDS][slot] = bound
+    tree[its.SPLITS][slot, 0], tree[its.SPLITS][slot, 1], tree[its.SPLITS][slot, 2] = variable, value, counters[NODES]
     depth = counters[DEPTH]
-    tree[4][slot] = depth + 1
-    tree[9][slot] = way
+    tree[its.DEPTHS][slot] = depth + 1
+    copy_to(tree[its.WAYS][slot], way)
     if variable >= 0 and depth >= 0:
-        tree[9][slot, depth] = 2 * variable + (1 if value > 0.5 else 0)
-    count = min(len(active), tree[5].shape[1])
+        tree[its.WAYS][slot, depth] = 2 * variable + (1 if value > 0.5 else 0)
+    count = min(len(active), tree[its.ACTIVES].shape[1])
     for i in range(count):
-        tree[5][slot, i] = 2 * active[i, 0] + (1 if active[i, 1] > 0 else 0)
-    tree[6][slot] = count
-    tree[8][slot] = near
+        tree[its.ACTIVES][slot, i] = 2 * active[i, 0] + (1 if active[i, 1] > 0 else 0)
+    tree[its.USED][slot] = count
+    copy_to(tree[its.NEAR][slot], near)
 
 
-@compiled
+@leaf
 def push_again(tree, counters, box, bound, variable, value, active, near, way):
     """Open the node at hand once more, with a smaller box that leaves no choice; no decision is added to its way."""
     counters[DEPTH] -= 1
     push(tree, counters, box, bound, variable, value, active, near, way)
     counters[DEPTH] += 1
-    tree[9][tree[7][counters[OPEN] - 1]] = way
+    copy_to(tree[its.WAYS][tree[its.ORDER][counters[OPEN] - 1]], way)
 
 
 @compiled
 def wished(tree, slot):
     """What a node begins with: active inequalities, row (or m + variable) and sign of the side, and a point."""
-    guess = np.empty((tree[6][slot], 2), dtype=np.int64)
+    guess = np.empty((tree[its.USED][slot], 2), dtype=np.int64)
     for i in range(len(guess)):
-        code = tree[5][slot, i]
+        code = tree[its.ACTIVES][slot, i]
         guess[i, 0], guess[i, 1] = code // 2, (1 if code % 2 else -1)
-    return guess, tree[8][slot]
+    return guess, tree[its.NEAR][slot]

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from hysdel_py.optimize.compiled import compiled
+from hysdel_py.compiled import compiled
 from hysdel_py.optimize.parametric.batch import REGION, Batch
 
 __all__ = ["Atlas"]

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from hysdel_py.optimize.compiled import compiled
+from hysdel_py.compiled import compiled
 from hysdel_py.optimize.parametric.canonical import Canonical
 from hysdel_py.optimize.parametric.facets import facets, inner_point, same_rows
 from hysdel_py.optimize.parametric.factor import factor

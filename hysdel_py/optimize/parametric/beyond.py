@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from hysdel_py.optimize.compiled import compiled
+from hysdel_py.compiled import compiled
 from hysdel_py.optimize.parametric.atlas import Atlas
 from hysdel_py.optimize.parametric.canonical import Canonical
 from hysdel_py.optimize.parametric.cover import Rows, uncovered_point

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from hysdel_py.optimize.compiled import compiled
+from hysdel_py.compiled import compiled
 from hysdel_py.optimize.parametric.facets import inner_point, inner_point_in
 from hysdel_py.optimize.parametric.nearest import FOUND, workspace
 from hysdel_py.optimize.parametric.settings import MpQpSettings

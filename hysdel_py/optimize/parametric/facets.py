@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from hysdel_py.optimize.compiled import compiled
+from hysdel_py.compiled import compiled
 from hysdel_py.optimize.parametric.factor import refactor
 from hysdel_py.optimize.parametric.nearest import FOUND, NONE, nearest_in, workspace
 from hysdel_py.optimize.parametric.vectors import back_substituted, differs, first_hit, turned

@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 
-from hysdel_py.optimize.compiled import compiled
+from hysdel_py.compiled import compiled
 from hysdel_py.optimize.parametric.vectors import reflect, rotate, turned
 
 __all__ = ["append", "factor", "refactor", "remove"]

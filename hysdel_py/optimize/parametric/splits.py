@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from hysdel_py.optimize.compiled import compiled
+from hysdel_py.compiled import compiled
 from hysdel_py.optimize.parametric.nearest import NONE, nearest_in, workspace
 
 __all__ = ["best_split"]

@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from hysdel_py.optimize.compiled import compiled
+from hysdel_py.compiled import compiled
 from hysdel_py.optimize.parametric.facets import inner_point_in
 from hysdel_py.optimize.parametric.nearest import FOUND, NONE, nearest_in, workspace
 

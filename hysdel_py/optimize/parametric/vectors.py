@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from hysdel_py.optimize.compiled import compiled, either
+from hysdel_py.compiled import compiled, either
 
 __all__ = [
     "back_substituted",

@@ -17,7 +17,7 @@ from problems import EXPECTED, FACTS, benchmark, boxed, fact, of_random_numbers,
 from hysdel_py.control.explicit_law import ExplicitLaw
 from hysdel_py.errors import ArgumentError
 from hysdel_py.geometry.polyhedron import Polyhedron
-from hysdel_py.optimize.compiled import kernels_are_compiled
+from hysdel_py.compiled import kernels_are_compiled
 from hysdel_py.optimize.mpqp import MpQp, MpQpSettings, solve_mpqp
 from hysdel_py.optimize.parametric import exploration
 

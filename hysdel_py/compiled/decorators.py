@@ -13,24 +13,19 @@ from functools import cache
 from pathlib import Path
 from typing import Any, TypeVar
 
-__all__ = ["compiled", "either", "kernels_are_compiled", "leaf", "reordered", "step"]
+__all__ = ["compiled", "either", "kernels_are_compiled", "leaf", "reordered"]
 
 F = TypeVar("F", bound=Callable[..., Any])
 
 
 def compiled(function: F) -> F:
     """The function, compiled at its first call where numba is installed."""
-    return _compile(function)
+    return _compile(function, _nrt=True)  # said, for otherwise it is inherited from a leaf that calls
 
 
 def leaf(function: F) -> F:
-    """The same for a kernel that makes and returns no arrays: it need not count who uses those that it is given."""
+    """The same for a kernel that makes no arrays and is handed none by those that it calls: it need not count users."""
     return _compile(function, _nrt=False)
-
-
-def step(function: F) -> F:
-    """A leaf that only kernels call: without the way in from Python, which takes as long to compile as itself."""
-    return _compile(function, _nrt=False, no_cpython_wrapper=True, no_cfunc_wrapper=True)
 
 
 def reordered(function: F) -> F:
@@ -45,18 +40,36 @@ def _compile(function: F, **options: Any) -> F:
     _forget_stale_code(Path(function.__code__.co_filename).parent)
     # Division by zero gives infinity, as it does for numpy's numbers in plain Python; checks for it cost time.
     options["error_model"] = "numpy"
+    if numba.config.DISABLE_JIT:
+        return function
+    return _kernel()(function, **options)  # type: ignore[no-any-return]
+
+
+@cache
+def _kernel() -> Callable[..., Any]:
+    """How a kernel is made: for calls from kernels and from Python apart, or by numba alone where that fails."""
+    try:
+        from hysdel_py.compiled.deferred import Kernel
+    except ImportError:
+        return _cached
+    return Kernel
+
+
+def _cached(function: F, **options: Any) -> F:
+    import numba
+
     try:
         return numba.njit(cache=True, **options)(function)  # type: ignore[no-any-return]
     except RuntimeError:  # no place to keep the compiled code
         return numba.njit(**options)(function)  # type: ignore[no-any-return]
 
 
-def either(loops: F, arrays: F) -> F:
+def either(loops: F, arrays: F, kernel: Callable[[F], F] = compiled) -> F:
     """The compiled loops, or where nothing is compiled the same step as whole-array operations.
 
     For the innermost steps only: loops over elements are what a compiler likes and what plain Python is slow at.
     """
-    return compiled(loops) if kernels_are_compiled() else arrays
+    return kernel(loops) if kernels_are_compiled() else arrays
 
 
 def kernels_are_compiled() -> bool:
@@ -77,7 +90,7 @@ def _numba() -> Any:
 @cache
 def _forget_stale_code(folder: Path) -> None:
     """Remove cached code that is older than any source beside it: the cache looks at a function's own file only."""
-    sources = [Path(__file__), *folder.glob("*.py")]
+    sources = [Path(__file__), Path(__file__).with_name("deferred.py"), *folder.glob("*.py")]
     newest = max(source.stat().st_mtime for source in sources)
     for index in (folder / "__pycache__").glob("*.nbi"):
         with suppress(OSError):

@@ -1,0 +1,7 @@
+"""Numerical kernels: compiled where numba is installed, plain Python where it is not."""
+
+from __future__ import annotations
+
+from hysdel_py.compiled.decorators import compiled, either, kernels_are_compiled, leaf, reordered
+
+__all__ = ["compiled", "either", "kernels_are_compiled", "leaf", "reordered"]
