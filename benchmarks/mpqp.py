@@ -28,9 +28,9 @@ from typing import Any
 
 import numpy as np
 
+from hysdel_py.compiled import kernels_are_compiled
 from hysdel_py.control.explicit_law import ExplicitLaw
 from hysdel_py.geometry.polyhedron import Polyhedron
-from hysdel_py.compiled import kernels_are_compiled
 from hysdel_py.optimize.mpqp import MpQp, ParametricSolution, solve_mpqp
 
 CUT = 77

@@ -13,8 +13,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from hysdel_py.optimize.backends.answer import checked_result, failed_result
 from hysdel_py.compiled import kernels_are_compiled
+from hysdel_py.optimize.backends.answer import checked_result, failed_result
 from hysdel_py.optimize.mixed_integer import KERNELS, Miqp
 from hysdel_py.optimize.qp import Qp, QpResult, QpSettings, QpStatus
 from hysdel_py.optimize.reduction import parallel_groups

@@ -19,10 +19,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from hysdel_py.compiled import kernels_are_compiled
 from hysdel_py.errors import ArgumentError
 from hysdel_py.optimize.backends.registry import get_backend
 from hysdel_py.optimize.binary_squares import without_binary_squares
-from hysdel_py.compiled import kernels_are_compiled
 from hysdel_py.optimize.compiled_propagation import CompiledPropagator, propagator
 from hysdel_py.optimize.compiled_search import CompiledSearch, Hints
 from hysdel_py.optimize.dense import dense_solver

@@ -5,8 +5,8 @@ import pickle
 import numpy as np
 import pytest
 
-from hysdel_py.compiled import decorators as module
 from hysdel_py.compiled import compiled, kernels_are_compiled, leaf
+from hysdel_py.compiled import decorators as module
 
 needs_numba = pytest.mark.skipif(not kernels_are_compiled(), reason="nothing is compiled without numba")
 

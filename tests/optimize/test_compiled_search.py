@@ -5,9 +5,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from hysdel_py.compiled import kernels_are_compiled
 from hysdel_py.optimize import workspace
 from hysdel_py.optimize.certificate import Certifier
-from hysdel_py.compiled import kernels_are_compiled
 from hysdel_py.optimize.compiled_search import CompiledSearch
 from hysdel_py.optimize.dense import DenseSettings, dense_solver
 from hysdel_py.optimize.kernels.certificate import bound_below, excess, farkas_bound

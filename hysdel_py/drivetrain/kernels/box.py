@@ -18,8 +18,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from hysdel_py.drivetrain.kernels.delassus import band_step, dense_step, is_dense, magnitudes, slips
 from hysdel_py.compiled import compiled
+from hysdel_py.drivetrain.kernels.delassus import band_step, dense_step, is_dense, magnitudes, slips
 
 __all__ = ["free_step", "solve_box"]
 

@@ -8,9 +8,9 @@ from __future__ import annotations
 
 import numpy as np
 
+from hysdel_py.compiled import compiled
 from hysdel_py.drivetrain.kernels.box import free_step, solve_box
 from hysdel_py.drivetrain.kernels.time_stepping import NEGATIVE, OPEN, POSITIVE, STICK
-from hysdel_py.compiled import compiled
 
 __all__ = ["HELD", "KARNOPP", "SMOOTH", "SWITCH", "WAIT_NEGATIVE", "WAIT_POSITIVE", "contact_torques"]
 

@@ -11,9 +11,9 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from hysdel_py.compiled import compiled
 from hysdel_py.drivetrain.kernels.banded import DEPENDENT, Band, factor, solve_factored
 from hysdel_py.drivetrain.kernels.rows import Rows, add_transposed, times
-from hysdel_py.compiled import compiled
 
 __all__ = ["Delassus", "band_step", "dense_step", "is_dense", "magnitudes", "pushed", "respond", "slips"]
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from hysdel_py.compiled import compiled
 from hysdel_py.drivetrain.kernels.contact_rules import HELD, contact_torques
 from hysdel_py.drivetrain.kernels.delassus import pushed, respond
 from hysdel_py.drivetrain.kernels.forces import (
@@ -16,7 +17,6 @@ from hysdel_py.drivetrain.kernels.forces import (
 )
 from hysdel_py.drivetrain.kernels.mode_iteration import update_modes
 from hysdel_py.drivetrain.kernels.rows import times
-from hysdel_py.compiled import compiled
 
 __all__ = ["run"]
 

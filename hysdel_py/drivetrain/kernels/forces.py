@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from hysdel_py.drivetrain.kernels.rows import add_transposed, times
 from hysdel_py.compiled import compiled
+from hysdel_py.drivetrain.kernels.rows import add_transposed, times
 
 __all__ = [
     "drag_force", "free_force", "sliding_limits", "source_force", "spring_force", "sticking_limits", "twist_rates",

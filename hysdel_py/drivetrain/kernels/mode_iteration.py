@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from hysdel_py.compiled import compiled
 from hysdel_py.drivetrain.kernels.contact_rules import (
     WAIT_NEGATIVE,
     WAIT_POSITIVE,
@@ -19,7 +20,6 @@ from hysdel_py.drivetrain.kernels.delassus import pushed, respond, slips
 from hysdel_py.drivetrain.kernels.forces import free_force, sliding_limits, sticking_limits
 from hysdel_py.drivetrain.kernels.rows import times
 from hysdel_py.drivetrain.kernels.time_stepping import NEGATIVE, OPEN, POSITIVE, STICK
-from hysdel_py.compiled import compiled
 
 __all__ = ["update_modes"]
 

@@ -7,8 +7,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from hysdel_py.drivetrain.kernels.delassus import slips
 from hysdel_py.compiled import compiled
+from hysdel_py.drivetrain.kernels.delassus import slips
 
 __all__ = ["JACOBI", "SEIDEL", "solve_prox"]
 

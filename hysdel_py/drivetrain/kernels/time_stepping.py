@@ -16,6 +16,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from hysdel_py.compiled import compiled
 from hysdel_py.drivetrain.kernels.box import solve_box
 from hysdel_py.drivetrain.kernels.delassus import pushed, respond, slips
 from hysdel_py.drivetrain.kernels.forces import (
@@ -28,7 +29,6 @@ from hysdel_py.drivetrain.kernels.forces import (
 )
 from hysdel_py.drivetrain.kernels.prox import solve_prox
 from hysdel_py.drivetrain.kernels.rows import times
-from hysdel_py.compiled import compiled
 
 __all__ = [
     "NEGATIVE", "OPEN", "POSITIVE", "STICK", "advance", "count_work", "free_motion", "limits_of", "may_hold",

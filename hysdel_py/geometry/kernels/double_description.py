@@ -17,7 +17,7 @@ from typing import Any
 
 import numpy as np
 
-from hysdel_py.compiled import kernels_are_compiled, leaf
+from hysdel_py.compiled import either, leaf
 
 __all__ = ["TOO_LONG", "UNSURE", "extreme_rays"]
 
@@ -163,7 +163,7 @@ def _neighbours_arrays(bits: Any, count: int, order: Any, above: int, below: int
     return len(i)
 
 
-_neighbours = step(_neighbours_loops) if kernels_are_compiled() else _neighbours_arrays
+_neighbours = either(_neighbours_loops, _neighbours_arrays, leaf)
 """Pairs of neighbours on two sides of a row, in order; how many."""
 
 

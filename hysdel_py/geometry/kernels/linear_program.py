@@ -15,7 +15,7 @@ from typing import Any
 
 import numpy as np
 
-from hysdel_py.compiled import kernels_are_compiled, leaf
+from hysdel_py.compiled import either, leaf
 
 __all__ = ["INFEASIBLE", "OPTIMAL", "UNBOUNDED", "UNKNOWN", "solved"]
 
@@ -78,7 +78,7 @@ def _worst_row_arrays(G: Any, h: Any, m: int, near: Any, far: Any, is_far: bool)
     return row if excess[row] > 0.0 else -1
 
 
-worst_row = step(_worst_row_loops) if kernels_are_compiled() else _worst_row_arrays
+worst_row = either(_worst_row_loops, _worst_row_arrays, leaf)
 """The row that a point ``near + M far`` exceeds most; -1 if it exceeds none."""
 
 

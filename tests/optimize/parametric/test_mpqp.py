@@ -14,10 +14,10 @@ import pytest
 from degenerate import KINDS, swept
 from problems import EXPECTED, FACTS, benchmark, boxed, fact, of_random_numbers, of_small_integers
 
+from hysdel_py.compiled import kernels_are_compiled
 from hysdel_py.control.explicit_law import ExplicitLaw
 from hysdel_py.errors import ArgumentError
 from hysdel_py.geometry.polyhedron import Polyhedron
-from hysdel_py.compiled import kernels_are_compiled
 from hysdel_py.optimize.mpqp import MpQp, MpQpSettings, solve_mpqp
 from hysdel_py.optimize.parametric import exploration
 
