@@ -238,7 +238,8 @@ class PartController:
 
     def _references(self, x: Vector, t: Vector) -> dict[str, Any]:
         shift, data = self.shift, self.data
-        wanted: dict[str, Any] = {"torque": references.torque_reference(shift.torques, t, shift.fall)}
+        beside = 0.0 if self.observer is None else self.observer.torque_beside
+        wanted: dict[str, Any] = {"torque": references.torque_reference(shift.torques, t, shift.fall) - beside}
         if self.part == 2:
             relative = data.relative_speed(shift.gears[1], x[4], x[5])
             lands = abs(relative) <= references.LANDING_SPEED

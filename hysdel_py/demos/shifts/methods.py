@@ -92,7 +92,7 @@ class Method:
             raise ArgumentError(f"controller is {self.name!r}: one of {', '.join(METHODS)} was expected")
         if self.observed:
             gear, grip = self.shift.gears[0], self._first_grip()
-            self._observer = ShiftObserver(self.data, gear, SAMPLE_TIME, grip, self.delay)
+            self._observer = ShiftObserver(self.data, gear, SAMPLE_TIME, grip, 0.03 if self.just_sticks else 0.15, self.delay)
 
     def controller(self, part: int) -> Any:
         """The controller of part 1 or 2."""

@@ -26,13 +26,17 @@ Vector = NDArray[np.float64]
 Matrix = NDArray[np.float64]
 
 _RANGE = (0.6, 1.6)
-_NOISE = np.array([2e-4, 0.2, 0.2, 0.02])
+_NOISE = np.array([1e-4, 0.2, 0.2, 0.02])
 """Standard deviations of measured twist [rad] and of the speeds of engine, secondary shaft and wheels [rad/s]."""
-_DRIFT = np.array([1e-4, 0.1, 0.1, 0.002, 0.01, 0.01])
+_DRIFT = np.array([1e-5, 0.02, 0.02, 0.002, 0.001, 0.001, 0.4, 0.4, 0.03])
 """By how much the equations of these and of both factors may be off in a sample."""
-_STUCK_DRIFT = np.array([1e-4, 2.0, 2.0, 0.002, 0.01, 0.01])
-"""The same for a clutch that may stick, and then carries what nobody knows."""
+_STUCK = 0.1
+_CLOSED = np.array([0.02, 0.005])
 _FIRST_DOUBT = 0.15
+_FIRST_BESIDE = np.array([3.0, 3.0, 2.0])
+_TAKE_ENGINE = 1.0
+_OWN = slice(4, 6)
+_BESIDE = slice(6, 9)
 _TRUST = 0.2  # share of a measured torque or force in its estimate; noise is left with a third of its deviation
 _SLIPS = 1.0  # rad/s, from which the sign of a slip is certain
 _TERMS = 5  # of the exponential series: the fastest swing turns by 0.4 rad in a sample
@@ -63,21 +67,26 @@ class ShiftObserver:
     gear: int
     sample_time: float
     first: float = 1.0
+    doubt: float = _FIRST_DOUBT
     delay: float = 0.0
     factors: Vector = field(init=False)
+    beside: Vector = field(init=False)
 
     def __post_init__(self) -> None:
         self.factors = np.clip(np.full(2, self.first), *_RANGE)
-        self._doubt = np.diag(np.concatenate([_NOISE, [_FIRST_DOUBT, _FIRST_DOUBT]]) ** 2)
+        self.beside = np.zeros(3)
+        self._doubt = np.diag(np.concatenate([_NOISE, [self.doubt, _FIRST_DOUBT], _FIRST_BESIDE]) ** 2)
         self._moving = np.zeros(4)
         self._before: Vector | None = None
         self._inputs: Vector | None = None
         self._last = np.zeros(3)
         self._A = slipping(self.data, self.gear)[0]
+        self._per_torque = np.linalg.inv(self.data.inertia(self.gear))
 
     def change_gear(self, gear: int) -> None:
         """Go on in another gear; what is known of the friction stays."""
-        self.gear, self._A, self._before = gear, slipping(self.data, gear)[0], None
+        self.gear, self._A = gear, slipping(self.data, gear)[0]
+        self._per_torque = np.linalg.inv(self.data.inertia(gear))
 
     def update(self, x: Vector, last: Vector) -> Vector:
         """Take a measured state and the input before it; return the state with effective forces when inputs act.
@@ -89,11 +98,11 @@ class ShiftObserver:
             Rates that were asked for in the sample before.
         """
         x = np.concatenate([self._led(x[:_TWIST], last), x[_TWIST:]])
-        sticks = self._sticks(x if self._before is None else self._before, x)
+        sticks = self._sticks(x[_CLUTCH])
         if self._before is None:
             self._restart(x)
         else:
-            self._predict((self._before + x) / 2, _STUCK_DRIFT if sticks else _DRIFT)
+            self._predict((self._before + x) / 2, self._drift(x[_CLUTCH]) if sticks else np.diag(_DRIFT**2))
             self._correct(x[_MOVING], learns=not sticks)
         self._before = x
         return self._ahead(x, last, sticks=sticks)
@@ -109,14 +118,25 @@ class ShiftObserver:
 
     def _restart(self, x: Vector) -> None:
         """What moves is as measured."""
-        self._moving = np.array(x[_MOVING], dtype=float)
-        self._doubt[:4], self._doubt[:, :4] = 0.0, 0.0
-        self._doubt[:4, :4] = np.diag(_NOISE**2)
+        doubt = np.diag(_NOISE**2)
+        closed = np.array([[0.0, 1.0, -1.0 / self.data.gears[self.gear], 0.0], [0.0, 0.0, self.data.r_d, -1.0]])
+        gain = doubt @ closed.T @ np.linalg.inv(closed @ doubt @ closed.T + np.diag(_CLOSED**2))
+        self._moving = x[_MOVING] - gain @ closed @ x[_MOVING]
+        self._doubt[:4, :4] = doubt - gain @ closed @ doubt
 
     def _predict(self, mean: Vector, drift: Vector) -> None:
         step = _exponential(self._generator(mean) * self.sample_time)
-        self._moving = (step @ np.concatenate([self._moving, self.factors, [1.0]]))[:4]
-        self._doubt = step[:6, :6] @ self._doubt @ step[:6, :6].T + np.diag(drift**2)
+        self._moving = (step @ self._all())[:4]
+        self._doubt = step[:9, :9] @ self._doubt @ step[:9, :9].T + drift
+
+    def _drift(self, force: float) -> Matrix:
+        found = np.zeros(9)
+        found[1:3] = self._per_torque @ [-1.0, 1.0 / self.data.gears[self.gear]]
+        found *= self.sample_time * _STUCK * self.data.mu * force
+        return np.diag(_DRIFT**2) + np.outer(found, found)
+
+    def _all(self) -> Vector:
+        return np.concatenate([self._moving, self.factors, self.beside, [1.0]])
 
     def _correct(self, measured: Vector, *, learns: bool) -> None:
         gain = self._doubt[:, :4] @ np.linalg.inv(self._doubt[:4, :4] + np.diag(_NOISE**2))
@@ -125,7 +145,8 @@ class ShiftObserver:
             self._doubt[:4, 4:], self._doubt[4:, :4] = 0.0, 0.0
         surprise = measured - self._moving
         self._moving = self._moving + gain[:4] @ surprise
-        self.factors = np.clip(self.factors + gain[4:] @ surprise, *_RANGE)
+        self.factors = np.clip(self.factors + gain[_OWN] @ surprise, *_RANGE)
+        self.beside = self.beside + gain[_BESIDE] @ surprise
         self._doubt = self._doubt - gain @ self._doubt[:4]
         self._doubt = (self._doubt + self._doubt.T) / 2
 
@@ -134,11 +155,13 @@ class ShiftObserver:
         _, engine, secondary, _ = self._moving
         clutch = -1.0 if self.data.relative_speed(self.gear, engine, secondary) < -_SLIPS else 1.0
         brake = -np.sign(self.data.flywheel_speed(engine, secondary))
-        rows, found = self._A[_MOVING], np.zeros((7, 7))
+        rows, found = self._A[_MOVING], np.zeros((10, 10))
         found[:4, :4] = rows[:, _MOVING]
         found[:4, 4] = rows[:, _CLUTCH] * clutch * self.data.mu * max(inputs[_CLUTCH], 0.0)
         found[:4, 5] = rows[:, _BRAKE] * brake * self.data.mu * max(inputs[_BRAKE], 0.0)
-        found[:4, 6] = rows[:, 0] * inputs[0]
+        found[1:3, 6:8] = self._per_torque
+        found[3, 8] = 1.0
+        found[:4, 9] = rows[:, 0] * inputs[0]
         return found
 
     def _ahead(self, x: Vector, last: Vector, *, sticks: bool) -> Vector:
@@ -146,15 +169,22 @@ class ShiftObserver:
         inputs, moving = np.array(x[:3], dtype=float), self._moving
         if self.delay and not sticks:
             step = _exponential(self._generator(inputs + self.delay / 2 * last) * self.delay)
-            moving = (step @ np.concatenate([moving, self.factors, [1.0]]))[:4]
+            moving = (step @ self._all())[:4]
         if self.delay:
             inputs = np.maximum(inputs + self.delay * last, 0.0)
-        return np.concatenate([inputs * [1.0, self.factors[1], self.factors[0]], moving])
+        inputs = inputs * [1.0, self.factors[1], self.factors[0]] + [_TAKE_ENGINE * self.beside[0], 0.0, 0.0]
+        return np.concatenate([inputs, moving - [self.torque_beside / self.data.k, 0.0, 0.0, 0.0]])
 
-    def _sticks(self, x: Vector, x1: Vector) -> bool:
+    @property
+    def torque_beside(self) -> float:
+        """Torque of the drive shaft that would do what the model lacks [Nm]."""
+        follows = self.beside[2] / self.data.r_d / self._per_torque[1, 1]
+        return float((self.beside[1] - follows) / self.data.r_d)
+
+    def _sticks(self, force: float) -> bool:
         """Whether the clutch, while it carries torque, may have stuck or turned round within the sample."""
-        slips = [abs(self.data.relative_speed(self.gear, state[4], state[5])) for state in (x, x1)]
-        return bool(x1[_CLUTCH] > 1.0 and min(slips) < _SLIPS)
+        _, engine, secondary, _ = self._moving
+        return bool(force > 1.0 and abs(self.data.relative_speed(self.gear, engine, secondary)) < _SLIPS)
 
 
 def _exponential(matrix: Matrix) -> Matrix:
