@@ -181,7 +181,8 @@ class PartController:
         state, grip = self.sensors.read(x), np.ones(2)
         if self.observer is not None:
             state, grip = self.observer.update(state, self.last), self.observer.factors
-        move = self._planned(self._seen(state), self.since + references.ahead(k), grip)
+        delay = 0.0 if self.observer is None else self.observer.delay
+        move = self._planned(self._seen(state), self.since + references.ahead(k) + delay, grip)
         self.last = release_brake(k, x, move) if move.u is None else move.u
         return move
 

@@ -30,7 +30,7 @@ _NOISE = np.array([1e-4, 0.2, 0.2, 0.02])
 """Standard deviations of measured twist [rad] and of the speeds of engine, secondary shaft and wheels [rad/s]."""
 _DRIFT = np.array([1e-5, 0.02, 0.02, 0.002, 0.001, 0.001, 0.4, 0.4, 0.03])
 """By how much the equations of these and of both factors may be off in a sample."""
-_STUCK = 0.1
+_STUCK = 0.3
 _CLOSED = np.array([0.02, 0.005])
 _FIRST_DOUBT = 0.15
 _FIRST_BESIDE = np.array([3.0, 3.0, 2.0])
@@ -98,7 +98,7 @@ class ShiftObserver:
             Rates that were asked for in the sample before.
         """
         x = np.concatenate([self._led(x[:_TWIST], last), x[_TWIST:]])
-        sticks = self._sticks(x[_CLUTCH])
+        sticks = self._sticks(x)
         if self._before is None:
             self._restart(x)
         else:
@@ -141,8 +141,8 @@ class ShiftObserver:
     def _correct(self, measured: Vector, *, learns: bool) -> None:
         gain = self._doubt[:, :4] @ np.linalg.inv(self._doubt[:4, :4] + np.diag(_NOISE**2))
         if not learns:
-            gain[4:] = 0.0
-            self._doubt[:4, 4:], self._doubt[4:, :4] = 0.0, 0.0
+            gain[4:8] = 0.0
+            self._doubt[:4, 4:8], self._doubt[4:8, :4] = 0.0, 0.0
         surprise = measured - self._moving
         self._moving = self._moving + gain[:4] @ surprise
         self.factors = np.clip(self.factors + gain[_OWN] @ surprise, *_RANGE)
@@ -181,10 +181,11 @@ class ShiftObserver:
         follows = self.beside[2] / self.data.r_d / self._per_torque[1, 1]
         return float((self.beside[1] - follows) / self.data.r_d)
 
-    def _sticks(self, force: float) -> bool:
+    def _sticks(self, x: Vector) -> bool:
         """Whether the clutch, while it carries torque, may have stuck or turned round within the sample."""
-        _, engine, secondary, _ = self._moving
-        return bool(force > 1.0 and abs(self.data.relative_speed(self.gear, engine, secondary)) < _SLIPS)
+        speeds = (self._moving, x[_MOVING]) if self._before is None else (self._moving, x[_MOVING], self._before[_MOVING])
+        slips = [abs(self.data.relative_speed(self.gear, moving[1], moving[2])) for moving in speeds]
+        return bool(x[_CLUTCH] > 1.0 and min(slips) < _SLIPS)
 
 
 def _exponential(matrix: Matrix) -> Matrix:
