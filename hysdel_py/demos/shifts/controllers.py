@@ -53,7 +53,7 @@ BRAKE_RULE = -8.0
 """Flywheel speed up to which a plan may use the brake [rad/s]."""
 NO_RULE = 1000.0
 """The same where there is no rule."""
-RATES = {1: {"Te_rate": 0.01, "Fnb_rate": 0.01, "Fnc_rate": 0.01}, 2: {"Te_rate": 0.003}}
+RATES = {1: ("Te_rate", "Fnb_rate", "Fnc_rate"), 2: ("Te_rate",)}
 """Weights of the rates in both parts, per Nm/s and N/s: without them torque and clutch force swing between samples."""
 _LEAN = 1e-5  # what a measured torque or force is moved by, off a threshold that a plan ended on
 _ON = 0.01  # N, threshold of the brake rule
@@ -115,7 +115,7 @@ def shift_cost(own: Part, part: int) -> Cost:
     forces = {"Fnb": own.brake, "Fnc": own.clutch}
     x = {name: weight for name, weight in forces.items() if weight}
     y = {name: weight for name, weight in outputs.items() if weight}
-    return Cost(y=y, x=x, terminal=x, u=RATES[part])
+    return Cost(y=y, x=x, terminal=x, u=dict.fromkeys(RATES[part], own.rates))
 
 
 def part_of(shift: Shift, part: int) -> Part:
@@ -172,6 +172,7 @@ class PartController:
     without_rule: Callable[[], Any] | None = None
     margins: Margins = field(init=False)
     _late: Any = field(init=False, default=None)
+    _rate: float = field(init=False, default=1.0)
 
     def __post_init__(self) -> None:
         self.margins = Margins(self.shift, self.part, self.data, BRAKE_RULE, self.sensors.noise)
@@ -182,6 +183,7 @@ class PartController:
         if self.observer is not None:
             state, grip = self.observer.update(state, self.last), self.observer.factors
         delay = 0.0 if self.observer is None else self.observer.delay
+        self._rate = float(grip[1])
         move = self._planned(self._seen(state), self.since + references.ahead(k) + delay, grip)
         self.last = release_brake(k, x, move) if move.u is None else move.u
         return move
@@ -246,7 +248,7 @@ class PartController:
             lands = abs(relative) <= references.LANDING_SPEED
             return wanted | {"rel": references.landing(relative) if lands else 0.0}
         if shift.release.wheel:
-            wanted["wf"] = references.wheel_reference(shift, data, x[5], self.force, t)
+            wanted["wf"] = references.wheel_reference(shift, data, x[5], self.force, t, self.margins.furthest(x, self._rate))
         if self.forces is not None:
             times = references.SAMPLE_TIME * np.arange(len(self.forces))
             wanted["Fnc"] = np.interp(t, times, self.forces)
@@ -254,18 +256,18 @@ class PartController:
 
     def _limits(self, x: Vector, t: Vector, grip: Vector) -> Limits:
         own = self.margins.limits(x, grip)
-        limits = self._of_guard(x, t, own["Fnc"][1]) if self.part == 1 else self._of_landing(x)
+        limits = self._of_guard(x, t, own["Fnc"][1], min(float(grip[0]), 1.0)) if self.part == 1 else self._of_landing(x)
         limits = replace(limits, x={**own, **limits.x})
         if self.modes is not None:
             limits = replace(limits, x=self.modes.limits().x)
         return limits if self.observer is None else replace(limits, u=_effective_rates(grip))
 
-    def _of_guard(self, x: Vector, t: Vector, strongest: Vector) -> Limits:
+    def _of_guard(self, x: Vector, t: Vector, strongest: Vector, grip: float) -> Limits:
         guard = self.shift.guard
         if guard is None:
             return Limits()
-        fall = 495.0 * np.clip(guard.open_by - t, 0.0, None)
-        within_reach = x[2] - 4.9 * np.arange(len(t))
+        fall = grip * 495.0 * np.clip(guard.open_by - t, 0.0, None)
+        within_reach = x[2] - grip * 4.9 * np.arange(len(t))
         most = np.clip(np.maximum(fall, within_reach), 0.01, strongest)
         most[0] = strongest[0]
         wheel = (self.shift.release.wf[0], references.guard_limit(self.shift, self.data, x[5], t))

@@ -87,6 +87,10 @@ class Margins:
         """The limit of a brake that has to go off as fast as it can."""
         return 0.0, np.maximum(self._reach("Fnb", seen[1], min(grip[1], 1.0)), 0.0)
 
+    def furthest(self, seen: Vector, grip: float) -> float:
+        """Flywheel speed up to which the brake force of now can be released in time [rad/s]."""
+        return self.rule - self._flywheel_margin() - gained(seen[1], min(grip, 1.0) * _FALL["Fnb"])
+
     @property
     def _own(self) -> Part:
         return self.shift.release if self.part == 1 else self.shift.engage
@@ -129,3 +133,8 @@ def releasable(room: Vector, rate: float) -> Vector:
     """Brake force [N] that can be released at a rate [N/s] while the flywheel gains so much speed [rad/s]."""
     force: Vector = (np.sqrt(COASTING**2 + 2.0 * BRAKED * rate * room) - COASTING) / BRAKED
     return force
+
+
+def gained(force: float, rate: float) -> float:
+    """Speed that the flywheel gains while a brake force [N] is released at a rate [N/s], in rad/s."""
+    return (COASTING * force + BRAKED / 2.0 * force**2) / rate

@@ -9,7 +9,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
@@ -34,6 +34,8 @@ Vector = NDArray[np.float64]
 METHODS = ("hybrid", "linear", "ramps")
 """Names of the controllers."""
 _CLUTCH = 2
+_GUARDED = (1.0, 0.5, 0.0)
+"""Shares of the slip of the guard, of which the first that leaves a plan is taken."""
 
 
 def first_state(shift: Shift, data: Transmission, grip: float = 1.0) -> Vector:
@@ -155,10 +157,14 @@ class Method:
         """Clutch force of part 1 where engine and brake cannot carry the torque at once [N]."""
         if part == 2 or self.shift.guard is None:
             return None
+        grips = self.data if self._observer is None else replace(self.data, mu=self.data.mu * min(self._first_grip(), 1.0))
         start = self.start.copy()
-        start[_CLUTCH] = max(self._carried() / self.data.mu, 0.0)
-        try:
-            plan = least_deviation(self.shift, self.data, start, self.shift.guard.open_by)
-        except ArgumentError:  # the start leaves no such plan; the clutch force follows zero, as in the other shifts
-            return None
-        return np.asarray(plan.x[:, _CLUTCH] / self.data.mu, dtype=float)
+        start[_CLUTCH] = max(self._carried() / grips.mu, 0.0)
+        for share in _GUARDED:
+            guard = replace(self.shift.guard, slip=share * self.shift.guard.slip)
+            try:
+                plan = least_deviation(replace(self.shift, guard=guard), grips, start, guard.open_by)
+            except ArgumentError:  # the start leaves no such plan
+                continue
+            return np.asarray(plan.x[:, _CLUTCH] / self.data.mu, dtype=float)
+        return None  # the clutch force follows zero, as in the other shifts

@@ -52,7 +52,9 @@ def torque_reference(torques: tuple[float, float], t: ArrayLike, seconds: float)
     return smooth(*torques, np.asarray(t, dtype=float) / seconds)
 
 
-def wheel_reference(shift: Shift, data: Transmission, secondary: float, force: float, t: ArrayLike) -> Vector:
+def wheel_reference(
+    shift: Shift, data: Transmission, secondary: float, force: float, t: ArrayLike, most: float = np.inf
+) -> Vector:
     """Flywheel speed of part 1 at times since its begin [rad/s].
 
     Parameters
@@ -61,9 +63,11 @@ def wheel_reference(shift: Shift, data: Transmission, secondary: float, force: f
         Speed of the secondary shaft now [rad/s]; it hardly changes during a shift.
     force : float
         Clutch force at the begin [N], which settles when the clutch is open.
+    most : float
+        Flywheel speed up to which the brake force of now can be released before the flywheel reverses [rad/s].
     """
     held = data.flywheel_speed(secondary / data.gears[shift.gears[0]] + shift.held_slip, secondary)
-    return smooth(held, shift.wheel_target, (np.asarray(t, dtype=float) - force / _RELEASE_RATE) / _WHEEL_SECONDS)
+    return smooth(held, min(shift.wheel_target, most), (np.asarray(t, dtype=float) - force / _RELEASE_RATE) / _WHEEL_SECONDS)
 
 
 def ahead(k: int) -> Vector:
