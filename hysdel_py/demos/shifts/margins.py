@@ -29,10 +29,6 @@ __all__ = ["Margins", "releasable"]
 Vector = NDArray[np.float64]
 Ends = tuple[float, Vector]
 
-COASTING = 100.0
-"""Acceleration of the flywheel with hardly any brake force, a [rad/s^2], as in the 2-3 upshift."""
-BRAKED = 6.0
-"""By how much the brake adds to it, c [rad/s^2 per N]."""
 _NOISES = 3.0  # standard deviations of the flywheel speed
 _FALL = {"Te": 390.0, "Fnb": 490.0}  # Nm/s and N/s, a little less than the actuators can
 _SHARE = 0.99  # of the ranges, that limits of plans leave
@@ -89,7 +85,19 @@ class Margins:
 
     def furthest(self, seen: Vector, grip: float) -> float:
         """Flywheel speed up to which the brake force of now can be released in time [rad/s]."""
-        return self.rule - self._flywheel_margin() - gained(seen[1], min(grip, 1.0) * _FALL["Fnb"])
+        rate, force = min(grip, 1.0) * _FALL["Fnb"], seen[1]
+        coasting, braked = self._accelerations(seen, grip)
+        return self.rule - self._flywheel_margin() - float(coasting * force + braked / 2.0 * force**2) / rate
+
+    def _accelerations(self, seen: Vector, grip: float) -> tuple[float, float]:
+        """Of the flywheel with the torque kept: without brake [rad/s^2], and what the brake adds [rad/s^2 per N].
+
+        The clutch is counted with the mean of its force now and the greatest one, since it takes over meanwhile.
+        """
+        data, ratio = self.data, self.data.gears[self.shift.gears[1]]
+        clutch = (seen[2] + min(grip, 1.0) * _SHARE * self.shift.engage.clutch_force) / 2.0
+        carrier = data.r_gn / data.z * (data.mu * clutch / ratio - data.r_d * data.k * seen[3])
+        return float(carrier / data.J_f), data.mu / data.J_f
 
     @property
     def _own(self) -> Part:
@@ -102,7 +110,9 @@ class Margins:
             return most
         wheel = self._ahead("wf", self.data.flywheel_speed(seen[4], seen[5]))
         room = np.maximum(self.rule - self._flywheel_margin() - wheel, 0.0)
-        near = np.maximum(releasable(room, grip * _FALL["Fnb"]), self._reach("Fnb", seen[1], grip))
+        near = np.maximum(
+            releasable(room, grip * _FALL["Fnb"], *self._accelerations(seen, grip)), self._reach("Fnb", seen[1], grip)
+        )
         return np.asarray(np.minimum(most, near), dtype=float)
 
     def _clutch(self, grip: float) -> Vector:
@@ -129,12 +139,7 @@ class Margins:
         return np.asarray(now - share * SAMPLE_TIME * _FALL[name] * _STEPS, dtype=float)
 
 
-def releasable(room: Vector, rate: float) -> Vector:
+def releasable(room: Vector, rate: float, coasting: float, braked: float) -> Vector:
     """Brake force [N] that can be released at a rate [N/s] while the flywheel gains so much speed [rad/s]."""
-    force: Vector = (np.sqrt(COASTING**2 + 2.0 * BRAKED * rate * room) - COASTING) / BRAKED
+    force: Vector = (np.sqrt(coasting**2 + 2.0 * braked * rate * room) - coasting) / braked
     return force
-
-
-def gained(force: float, rate: float) -> float:
-    """Speed that the flywheel gains while a brake force [N] is released at a rate [N/s], in rad/s."""
-    return (COASTING * force + BRAKED / 2.0 * force**2) / rate

@@ -34,7 +34,6 @@ _STUCK = 0.3
 _CLOSED = np.array([0.02, 0.005])
 _FIRST_DOUBT = 0.15
 _FIRST_BESIDE = np.array([3.0, 3.0, 2.0])
-_TAKE_ENGINE = 1.0
 _OWN = slice(4, 6)
 _BESIDE = slice(6, 9)
 _TRUST = 0.2  # share of a measured torque or force in its estimate; noise is left with a third of its deviation
@@ -172,14 +171,14 @@ class ShiftObserver:
             moving = (step @ self._all())[:4]
         if self.delay:
             inputs = np.maximum(inputs + self.delay * last, 0.0)
-        inputs = inputs * [1.0, self.factors[1], self.factors[0]] + [_TAKE_ENGINE * self.beside[0], 0.0, 0.0]
+        inputs = inputs * [1.0, self.factors[1], self.factors[0]]
         return np.concatenate([inputs, moving - [self.torque_beside / self.data.k, 0.0, 0.0, 0.0]])
 
     @property
     def torque_beside(self) -> float:
         """Torque of the drive shaft that would do what the model lacks [Nm]."""
-        follows = self.beside[2] / self.data.r_d / self._per_torque[1, 1]
-        return float((self.beside[1] - follows) / self.data.r_d)
+        shaft = self._per_torque[1] @ self.beside[:2] - self.beside[2] / self.data.r_d
+        return float(shaft / self._per_torque[1, 1] / self.data.r_d)
 
     def _sticks(self, x: Vector) -> bool:
         """Whether the clutch, while it carries torque, may have stuck or turned round within the sample."""

@@ -30,6 +30,8 @@ Vector = NDArray[np.float64]
 SAMPLE_TIME = 0.01
 _RELEASE_RATE = 495.0  # N/s
 _WHEEL_SECONDS = 0.25  # from the opened clutch to the target
+_BEHIND = 60.0
+"""By how much the flywheel still lacks its target at the gear change [rad/s]."""
 LANDING_SPEED = 40.0
 """Relative speed below which it has this reference; above the reference is zero [rad/s]."""
 LANDING_MARGIN = (0.05, 0.1)
@@ -67,7 +69,7 @@ def wheel_reference(
         Flywheel speed up to which the brake force of now can be released before the flywheel reverses [rad/s].
     """
     held = data.flywheel_speed(secondary / data.gears[shift.gears[0]] + shift.held_slip, secondary)
-    return smooth(held, min(shift.wheel_target, most), (np.asarray(t, dtype=float) - force / _RELEASE_RATE) / _WHEEL_SECONDS)
+    return smooth(held, min(shift.wheel_target, most + _BEHIND), (np.asarray(t, dtype=float) - force / _RELEASE_RATE) / _WHEEL_SECONDS)
 
 
 def ahead(k: int) -> Vector:
