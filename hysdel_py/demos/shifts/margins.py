@@ -31,6 +31,9 @@ Ends = tuple[float, Vector]
 
 _NOISES = 3.0  # standard deviations of the flywheel speed
 _FALL = {"Te": 390.0, "Fnb": 490.0}  # Nm/s and N/s, a little less than the actuators can
+_RISE = 792.0  # N/s, of the clutch
+_LIGHTER = 1.1  # times what a flywheel as heavy as in the model gains
+_NOTICED = 1.0
 _SHARE = 0.99  # of the ranges, that limits of plans leave
 _MOST_TORQUE = _SHARE * 145.0
 _LEAST = 0.01
@@ -92,12 +95,20 @@ class Margins:
     def _accelerations(self, seen: Vector, grip: float) -> tuple[float, float]:
         """Of the flywheel with the torque kept: without brake [rad/s^2], and what the brake adds [rad/s^2 per N].
 
-        The clutch is counted with the mean of its force now and the greatest one, since it takes over meanwhile.
+        The clutch takes over meanwhile, at its fastest rate and up to its greatest force.
         """
         data, ratio = self.data, self.data.gears[self.shift.gears[1]]
-        clutch = (seen[2] + min(grip, 1.0) * _SHARE * self.shift.engage.clutch_force) / 2.0
+        clutch = self._clutch_meanwhile(seen, min(grip, 1.0))
         carrier = data.r_gn / data.z * (data.mu * clutch / ratio - data.r_d * data.k * seen[3])
-        return float(carrier / data.J_f), data.mu / data.J_f
+        return _LIGHTER * float(carrier / data.J_f), _LIGHTER * data.mu / data.J_f
+
+    def _clutch_meanwhile(self, seen: Vector, grip: float) -> float:
+        """Mean force of the clutch while the brake force of now is released [N]."""
+        lacks = max(grip * _SHARE * self.shift.engage.clutch_force - (seen[2] if self.part == 2 else 0.0), 0.0)
+        rises, releases = lacks / (grip * _RISE), max(seen[1], _NOTICED) / (grip * _FALL["Fnb"])
+        most = grip * _SHARE * self.shift.engage.clutch_force
+        missing = lacks * rises / 2.0 / releases if rises < releases else lacks - grip * _RISE * releases / 2.0
+        return float(most - missing)
 
     @property
     def _own(self) -> Part:
