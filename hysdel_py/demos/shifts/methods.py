@@ -117,11 +117,18 @@ class Method:
         return Lockup(self.shift, self.data, self.sensors, self._observer, self._planned.last)
 
     def met(self, _k: int, x: Vector) -> bool:
-        """Whether the speeds of engine and new gear have met as far as is measured, or are close and stay so."""
-        seen = self.sensors.read(x)
-        relative = abs(self.data.relative_speed(self.shift.gears[1], seen[4], seen[5]))
+        """Whether the speeds of engine and new gear have met as far as is known, or are close and stay so."""
+        relative, doubt = self._relative(x)
         self._close = self._close + 1 if relative < CLOSE else 0
-        return relative < HANDED_OVER or self._close > CLOSE_SAMPLES
+        return relative < HANDED_OVER + doubt or self._close > CLOSE_SAMPLES
+
+    def _relative(self, x: Vector) -> tuple[float, float]:
+        """Size of the relative speed, estimated where it can be, and the standard deviation of a measured one."""
+        gear, seen = self.shift.gears[1], self.sensors.read(x)
+        engine, secondary = (self.sensors.noise.get(name, 0.0) for name in ("we", "ws"))
+        doubt = float(np.hypot(engine, secondary / self.data.gears[gear]))
+        speeds = seen[4:6] if self._observer is None else self._observer.shafts
+        return abs(self.data.relative_speed(gear, *speeds)), doubt
 
     def _mpc(self, part: int) -> Any:
         if self.name == "linear":

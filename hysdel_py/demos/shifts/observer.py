@@ -175,6 +175,11 @@ class ShiftObserver:
         return np.concatenate([inputs, moving - [self.torque_beside / self.data.k, 0.0, 0.0, 0.0]])
 
     @property
+    def shafts(self) -> Vector:
+        """Speeds of engine and secondary shaft at the last measurement [rad/s]."""
+        return self._moving[1:3].copy()
+
+    @property
     def torque_beside(self) -> float:
         """Torque of the drive shaft that would do what the model lacks [Nm]."""
         shaft = self._per_torque[1] @ self.beside[:2] - self.beside[2] / self.data.r_d

@@ -36,7 +36,7 @@ LANDING_SPEED = 40.0
 """Relative speed below which it has this reference; above the reference is zero [rad/s]."""
 LANDING_MARGIN = (0.05, 0.1)
 """By how much a plan may be below [rad/s]: a number, and a share of the relative speed."""
-LANDING_FADING = 1000.0
+LANDING_FADING = 500.0
 """How fast [rad/s^3]."""
 LANDING_SLOPE = 8.0
 """What is left of it at lock-up [rad/s^2]."""
