@@ -114,6 +114,7 @@ class Shift:
     wheel_target: float = -50.0
     held_slip: float = 2.0
     fall: float = 0.5
+    fading: float = 500.0
     guard: Guard | None = None
     rolling: bool = False
 
@@ -142,7 +143,7 @@ _DOWN = Shift(
     "downshift-32", "downshift from third to second gear under power, the brake off", (3, 2), (400.0, 400.0), 45.0,
     Part(50.0, clutch=100.0, brake_force=0.01, rates=0.05),
     Part(50.0, relative=1.0, rel=(-400.0, None), brake_force=0.01, seconds=1.0, rates=0.003),
-    slip_back=-1000.0,
+    slip_back=-1000.0, fading=1000.0,
 )  # fmt: skip
 SHIFTS: Mapping[str, Shift] = {shift.name: shift for shift in (_CONSTANT, _DECREASING, _FIRST, _HELD, _DOWN)}
 """By the name that the command takes."""

@@ -56,6 +56,7 @@ NO_RULE = 1000.0
 RATES = {1: ("Te_rate", "Fnb_rate", "Fnc_rate"), 2: ("Te_rate",)}
 """Weights of the rates in both parts, per Nm/s and N/s: without them torque and clutch force swing between samples."""
 _LEAN = 1e-5  # what a measured torque or force is moved by, off a threshold that a plan ended on
+_NEAR = 1e-4  # N, around the threshold, where rounding leaves neither side
 _ON = 0.01  # N, threshold of the brake rule
 _NOTICED = 1.0  # N, brake force that is worth a plan of its own
 _OPEN = 0.5  # N, clutch force that is let go
@@ -194,6 +195,8 @@ class PartController:
         move = self._late_move(seen, t, grip) if late else self._move(seen, t, grip, off=off)
         if move.u is None and not late and self._still_brakes(seen):
             move, off = self._late_move(seen, t, grip), True
+        if move.u is None and self.part == 2:
+            move = self._hard_landing(seen, t, grip, off=off)
         self.margins.remember(move)
         if move.u is None:
             return move
@@ -204,9 +207,17 @@ class PartController:
             rates[2] = _FASTEST["Fnc_rate"][0]
         return replace(move, u=rates)
 
-    def _move(self, seen: Vector, t: Vector, grip: Vector, *, off: bool) -> Move:
+    def _hard_landing(self, seen: Vector, t: Vector, grip: Vector, *, off: bool) -> Move:
+        """A plan in which the relative speed may fall faster than lock-up allows."""
+        move = self._move(seen, t, grip, off=off, lands=False)
+        return move if move.u is None else replace(move, status=MoveStatus.FALLBACK, fallback="hard landing")
+
+    def _move(self, seen: Vector, t: Vector, grip: Vector, *, off: bool, lands: bool = True) -> Move:
         begin = seen * [1.0, 0.0 if off else 1.0, 1.0, 1.0, 1.0, 1.0, 1.0]
-        move: Move = self.mpc.solve(begin, self._references(seen, t), limits=self._limits(begin, t, grip))
+        limits = self._limits(begin, t, grip)
+        if not lands:
+            limits = replace(limits, y={})
+        move: Move = self.mpc.solve(begin, self._references(seen, t), limits=limits)
         if self.modes is not None:
             self.modes.remember(move)
         return move
@@ -236,7 +247,7 @@ class PartController:
         variables = self.mpc.mld.x
         seen: Vector = np.clip(state, [v.low for v in variables], [v.high for v in variables])
         seen[0] = max(0.0, min(seen[0], engine_limit(seen[4], beyond="range")) - _LEAN)
-        seen[1] = max(0.0, seen[1] - _LEAN)
+        seen[1] = _ON - _LEAN if abs(seen[1] - _ON) < _NEAR else max(0.0, seen[1] - _LEAN)
         return seen
 
     def _references(self, x: Vector, t: Vector) -> dict[str, Any]:
@@ -246,7 +257,7 @@ class PartController:
         if self.part == 2:
             relative = data.relative_speed(shift.gears[1], x[4], x[5])
             lands = abs(relative) <= references.LANDING_SPEED
-            return wanted | {"rel": references.landing(relative) if lands else 0.0}
+            return wanted | {"rel": references.landing(relative, shift.fading) if lands else 0.0}
         if shift.release.wheel:
             wanted["wf"] = references.wheel_reference(shift, data, x[5], self.force, t, self.margins.furthest(x, self._rate))
         if self.forces is not None:
@@ -280,7 +291,7 @@ class PartController:
         if low is None or relative <= 0.0:
             return Limits()
         always, share = references.LANDING_MARGIN
-        least = np.maximum(references.landing(relative) - always - share * relative, low)
+        least = np.maximum(references.landing(relative, self.shift.fading) - always - share * relative, low)
         return Limits(y={"rel": (least, None)})
 
 

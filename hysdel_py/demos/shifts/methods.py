@@ -127,7 +127,8 @@ class Method:
         gear, seen = self.shift.gears[1], self.sensors.read(x)
         engine, secondary = (self.sensors.noise.get(name, 0.0) for name in ("we", "ws"))
         doubt = float(np.hypot(engine, secondary / self.data.gears[gear]))
-        speeds = seen[4:6] if self._observer is None else self._observer.shafts
+        known = self._observer is not None and doubt > 0.0
+        speeds = self._observer.shafts if known and self._observer is not None else seen[4:6]
         return abs(self.data.relative_speed(gear, *speeds)), doubt
 
     def _mpc(self, part: int) -> Any:

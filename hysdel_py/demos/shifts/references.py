@@ -36,8 +36,6 @@ LANDING_SPEED = 40.0
 """Relative speed below which it has this reference; above the reference is zero [rad/s]."""
 LANDING_MARGIN = (0.05, 0.1)
 """By how much a plan may be below [rad/s]: a number, and a share of the relative speed."""
-LANDING_FADING = 500.0
-"""How fast [rad/s^3]."""
 LANDING_SLOPE = 8.0
 """What is left of it at lock-up [rad/s^2]."""
 
@@ -77,16 +75,16 @@ def ahead(k: int) -> Vector:
     return np.asarray(SAMPLE_TIME * (k + np.arange(HORIZON + 1)), dtype=float)
 
 
-def landing(relative: float) -> Vector:
+def landing(relative: float, fading: float) -> Vector:
     """How the relative speed dies away over a plan that begins at a relative speed [rad/s].
 
     Its slope fades evenly, as the rates of engine and clutch allow, to that at lock-up:
     ``s(t) = s0 - v t + j t^2/2`` with ``v^2 = a^2 + 2 j s0``, which meets zero with the slope -a.
     """
     size = abs(relative)
-    slope = np.sqrt(LANDING_SLOPE**2 + 2.0 * LANDING_FADING * size)
-    t = np.minimum(SAMPLE_TIME * np.arange(HORIZON + 1), (slope - LANDING_SLOPE) / LANDING_FADING)
-    value: Vector = np.maximum(size - slope * t + LANDING_FADING / 2.0 * t * t, 0.0) * np.sign(relative)
+    slope = np.sqrt(LANDING_SLOPE**2 + 2.0 * fading * size)
+    t = np.minimum(SAMPLE_TIME * np.arange(HORIZON + 1), (slope - LANDING_SLOPE) / fading)
+    value: Vector = np.maximum(size - slope * t + fading / 2.0 * t * t, 0.0) * np.sign(relative)
     return value
 
 
