@@ -4,8 +4,8 @@
     python benchmarks/shift_study.py --runs 200 --results study.jsonl --shifts upshift-12 --workers 4
     python benchmarks/shift_study.py --results study.jsonl --table --picture docs/pictures/shift-study.png
 
-Every finished run is appended to the file of results; a study that was interrupted goes on where it ended. The table
-tells what the file holds.
+Every finished run is appended to the file of results; a study that was interrupted goes on where it ended. All shifts
+take turns, so that wherever it stops each has as many runs as the others. The table tells what the file holds.
 """
 
 # ruff: noqa: E501  (rows of printed tables read better unbroken)
@@ -36,12 +36,11 @@ def known(path: Path) -> list[dict[str, Any]]:
 
 def study(options: argparse.Namespace) -> None:
     done = {row["key"] for row in known(options.results)}
-    wanted = [
-        trial
+    drawn = [
+        trials(name, options.runs, controller=controller, observed=not options.plain)
         for name in options.shifts for controller in options.controllers
-        for trial in trials(name, options.runs, controller=controller, observed=not options.plain)
-        if trial.key not in done
     ]  # fmt: skip
+    wanted = [trial for turn in zip(*drawn, strict=True) for trial in turn if trial.key not in done]
     with options.results.open("a", encoding="utf-8") as file, ProcessPoolExecutor(options.workers) as pool:
 
         def keep(row: dict[str, Any]) -> None:

@@ -34,6 +34,7 @@ Vector = NDArray[np.float64]
 METHODS = ("hybrid", "linear", "ramps")
 """Names of the controllers."""
 _CLUTCH = 2
+_PASSES = 1.2  # rad/s in a sample: the engine passes the new gear, as it does in a downshift
 _GUARDED = (1.0, 0.5, 0.0)
 """Shares of the slip of the guard, of which the first that leaves a plan is taken."""
 
@@ -88,6 +89,7 @@ class Method:
     _observer: ShiftObserver | None = field(init=False, default=None)
     _planned: PartController | None = field(init=False, default=None)
     _close: int = field(init=False, default=0)
+    _before: float | None = field(init=False, default=None)
 
     def __post_init__(self) -> None:
         if self.name not in METHODS:
@@ -119,17 +121,19 @@ class Method:
     def met(self, _k: int, x: Vector) -> bool:
         """Whether the speeds of engine and new gear have met as far as is known, or are close and stay so."""
         relative, doubt = self._relative(x)
-        self._close = self._close + 1 if relative < CLOSE else 0
-        return relative < HANDED_OVER + doubt or self._close > CLOSE_SAMPLES
+        passes = self._before is not None and abs(relative - self._before) > _PASSES
+        self._before = relative
+        self._close = self._close + 1 if abs(relative) < CLOSE else 0
+        return (abs(relative) < HANDED_OVER + doubt and not passes) or self._close > CLOSE_SAMPLES
 
     def _relative(self, x: Vector) -> tuple[float, float]:
-        """Size of the relative speed, estimated where it can be, and the standard deviation of a measured one."""
+        """Relative speed, estimated where measurements are noisy, and the standard deviation of a measured one."""
         gear, seen = self.shift.gears[1], self.sensors.read(x)
         engine, secondary = (self.sensors.noise.get(name, 0.0) for name in ("we", "ws"))
         doubt = float(np.hypot(engine, secondary / self.data.gears[gear]))
-        known = self._observer is not None and doubt > 0.0
-        speeds = self._observer.shafts if known and self._observer is not None else seen[4:6]
-        return abs(self.data.relative_speed(gear, *speeds)), doubt
+        if self._observer is not None and doubt > 0.0:
+            seen[4:6] = self._observer.shafts
+        return self.data.relative_speed(gear, seen[4], seen[5]), doubt
 
     def _mpc(self, part: int) -> Any:
         if self.name == "linear":
