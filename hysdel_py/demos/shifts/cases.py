@@ -35,6 +35,8 @@ class Part:
         Limit of the clutch force [N], before the margin.
     brake_force : float, optional
         Limit of the brake force [N] where it is not that of the shift.
+    rates : float
+        Weight of the rates, per Nm/s and N/s.
     """
 
     torque: float
@@ -96,6 +98,8 @@ class Shift:
         Slip at which the clutch is held while it opens [rad/s]; see :mod:`hysdel_py.demos.shifts.references`.
     fall : float
         Seconds over which the torque at the wheels changes.
+    fading : float
+        How fast the slope of the relative speed fades before lock-up [rad/s^3].
     guard : Guard, optional
         A limit that keeps the slip of the opening clutch positive, where the reference alone does not.
     rolling : bool

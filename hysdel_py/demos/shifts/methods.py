@@ -96,7 +96,7 @@ class Method:
             raise ArgumentError(f"controller is {self.name!r}: one of {', '.join(METHODS)} was expected")
         if self.observed:
             gear, grip = self.shift.gears[0], self._first_grip()
-            self._observer = ShiftObserver(self.data, gear, SAMPLE_TIME, grip, 0.03 if self.just_sticks else 0.15, self.delay)
+            self._observer = ShiftObserver(self.data, gear, SAMPLE_TIME, grip, self.delay, settled=self.just_sticks)
 
     def controller(self, part: int) -> Any:
         """The controller of part 1 or 2."""
@@ -166,16 +166,16 @@ class Method:
         return share * float(self.start[_CLUTCH])
 
     def _forces(self, part: int) -> Vector | None:
-        """Clutch force of part 1 where engine and brake cannot carry the torque at once [N]."""
+        """Effective clutch force of part 1 where engine and brake cannot carry the torque at once [N]."""
         if part == 2 or self.shift.guard is None:
             return None
-        grips = self.data if self._observer is None else replace(self.data, mu=self.data.mu * min(self._first_grip(), 1.0))
-        start = self.start.copy()
-        start[_CLUTCH] = max(self._carried() / grips.mu, 0.0)
+        grip = 1.0 if self._observer is None else min(self._first_grip(), 1.0)
+        data, start = replace(self.data, mu=grip * self.data.mu), self.start.copy()
+        start[_CLUTCH] = max(self._carried() / data.mu, 0.0)
         for share in _GUARDED:
             guard = replace(self.shift.guard, slip=share * self.shift.guard.slip)
             try:
-                plan = least_deviation(replace(self.shift, guard=guard), grips, start, guard.open_by)
+                plan = least_deviation(replace(self.shift, guard=guard), data, start, guard.open_by)
             except ArgumentError:  # the start leaves no such plan
                 continue
             return np.asarray(plan.x[:, _CLUTCH] / self.data.mu, dtype=float)

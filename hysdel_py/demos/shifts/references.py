@@ -53,7 +53,7 @@ def torque_reference(torques: tuple[float, float], t: ArrayLike, seconds: float)
 
 
 def wheel_reference(
-    shift: Shift, data: Transmission, secondary: float, force: float, t: ArrayLike, most: float = np.inf
+    shift: Shift, data: Transmission, secondary: float, force: float, t: ArrayLike, *, nearest: float = 0.0
 ) -> Vector:
     """Flywheel speed of part 1 at times since its begin [rad/s].
 
@@ -63,11 +63,12 @@ def wheel_reference(
         Speed of the secondary shaft now [rad/s]; it hardly changes during a shift.
     force : float
         Clutch force at the begin [N], which settles when the clutch is open.
-    most : float
-        Flywheel speed up to which the brake force of now can be released before the flywheel reverses [rad/s].
+    nearest : float
+        Flywheel speed up to which the brake can be released before the flywheel reverses [rad/s].
     """
     held = data.flywheel_speed(secondary / data.gears[shift.gears[0]] + shift.held_slip, secondary)
-    return smooth(held, min(shift.wheel_target, most + _BEHIND), (np.asarray(t, dtype=float) - force / _RELEASE_RATE) / _WHEEL_SECONDS)
+    target = min(shift.wheel_target, nearest + _BEHIND)
+    return smooth(held, target, (np.asarray(t, dtype=float) - force / _RELEASE_RATE) / _WHEEL_SECONDS)
 
 
 def ahead(k: int) -> Vector:
