@@ -64,6 +64,10 @@ def spread(values: list[float], form: str, ends: Sequence[float] = (50, 95, 100)
     return ", ".join(format(np.percentile(values, end), form) for end in ends)
 
 
+def passed(curve: list[float]) -> str:
+    return f"{len(curve)}, by {spread(curve, '.1f', (50, 100))} Nm" if curve else "0"
+
+
 def row_of(group: list[dict[str, Any]]) -> str:
     first, n = group[0], len(group)
     locked = [row for row in group if row["done"]]
@@ -79,7 +83,7 @@ def row_of(group: list[dict[str, Any]]) -> str:
         f"| {spread([row['shift_time'] for row in locked], '.2f', (50, 100))} s "
         f"| {spread([-row['lockup_slope'] for row in locked if row['lockup_slope'] is not None], '.0f', (50, 95))} rad/s^2 "
         f"| {sum(row['brake_at_reversal'] > 0.02 for row in group)} | {rule} "
-        f"| {len(curve)}, by {spread(curve, '.1f', (50, 100))} Nm | {other} |"
+        f"| {passed(curve)} | {other} |"
     )
 
 
