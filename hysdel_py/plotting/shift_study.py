@@ -58,7 +58,7 @@ def _column(panel: Axes, k: int, group: Group, name: str, scale: float) -> None:
     places = [k + _WIDTH * (row["friction"] - 1.0) for row in rows]
     colour = COLOURS[k % len(COLOURS)]
     panel.plot(places, values, linestyle="", marker=".", markersize=4, color=colour, alpha=0.6)
-    label = "median" if k == 0 else None
+    label = "median" if k == 0 else "_"  # the legend names one of them
     if values:
         panel.hlines(float(np.median(values)), k - _HALF, k + _HALF, color="black", linewidth=1.2, label=label)
 
