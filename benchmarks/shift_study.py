@@ -4,8 +4,8 @@
     python benchmarks/shift_study.py --runs 200 --results study.jsonl --shifts upshift-12 --workers 4
     python benchmarks/shift_study.py --results study.jsonl --table --picture docs/pictures/shift-study.png
 
-Every finished run is appended to the file of results; a study that was interrupted goes on where it ended. The table
-tells what the file holds.
+Every finished run is appended to the file of results; a study that was interrupted goes on where it ended. All shifts
+take turns, so that wherever it stops each has as many runs as the others. The table tells what the file holds.
 """
 
 # ruff: noqa: E501  (rows of printed tables read better unbroken)
@@ -36,12 +36,11 @@ def known(path: Path) -> list[dict[str, Any]]:
 
 def study(options: argparse.Namespace) -> None:
     done = {row["key"] for row in known(options.results)}
-    wanted = [
-        trial
+    drawn = [
+        trials(name, options.runs, controller=controller, observed=not options.plain)
         for name in options.shifts for controller in options.controllers
-        for trial in trials(name, options.runs, controller=controller, observed=not options.plain)
-        if trial.key not in done
     ]  # fmt: skip
+    wanted = [trial for turn in zip(*drawn, strict=True) for trial in turn if trial.key not in done]
     with options.results.open("a", encoding="utf-8") as file, ProcessPoolExecutor(options.workers) as pool:
 
         def keep(row: dict[str, Any]) -> None:
@@ -65,6 +64,10 @@ def spread(values: list[float], form: str, ends: Sequence[float] = (50, 95, 100)
     return ", ".join(format(np.percentile(values, end), form) for end in ends)
 
 
+def passed(curve: list[float]) -> str:
+    return f"{len(curve)}, by {spread(curve, '.1f', (50, 100))} Nm" if curve else "0"
+
+
 def row_of(group: list[dict[str, Any]]) -> str:
     first, n = group[0], len(group)
     locked = [row for row in group if row["done"]]
@@ -80,7 +83,7 @@ def row_of(group: list[dict[str, Any]]) -> str:
         f"| {spread([row['shift_time'] for row in locked], '.2f', (50, 100))} s "
         f"| {spread([-row['lockup_slope'] for row in locked if row['lockup_slope'] is not None], '.0f', (50, 95))} rad/s^2 "
         f"| {sum(row['brake_at_reversal'] > 0.02 for row in group)} | {rule} "
-        f"| {len(curve)}, by {spread(curve, '.1f', (50, 100))} Nm | {other} |"
+        f"| {passed(curve)} | {other} |"
     )
 
 

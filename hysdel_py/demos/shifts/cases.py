@@ -35,6 +35,8 @@ class Part:
         Limit of the clutch force [N], before the margin.
     brake_force : float, optional
         Limit of the brake force [N] where it is not that of the shift.
+    rates : float
+        Weight of the rates, per Nm/s and N/s.
     """
 
     torque: float
@@ -47,6 +49,7 @@ class Part:
     seconds: float = 0.5
     clutch_force: float = 200.0
     brake_force: float | None = None
+    rates: float = 0.01
 
 
 @dataclass(frozen=True, slots=True)
@@ -95,6 +98,8 @@ class Shift:
         Slip at which the clutch is held while it opens [rad/s]; see :mod:`hysdel_py.demos.shifts.references`.
     fall : float
         Seconds over which the torque at the wheels changes.
+    fading : float
+        How fast the slope of the relative speed fades before lock-up [rad/s^3].
     guard : Guard, optional
         A limit that keeps the slip of the opening clutch positive, where the reference alone does not.
     rolling : bool
@@ -113,25 +118,26 @@ class Shift:
     wheel_target: float = -50.0
     held_slip: float = 2.0
     fall: float = 0.5
+    fading: float = 500.0
     guard: Guard | None = None
     rolling: bool = False
 
 
 _CONSTANT = Shift(
     "upshift-23", "upshift from second to third gear at constant torque", (2, 3), (600.0, 600.0), 75.0,
-    Part(50.0, wheel=3.0, brake=1.0, clutch=100.0, wf=(-300.0, -5.0), rel=(0.0, None)),
-    Part(100.0, relative=3.0, brake=1.0, wf=(-300.0, 300.0), rel=(0.0, None), seconds=0.75),
+    Part(50.0, wheel=3.0, brake=1.0, clutch=100.0, wf=(-300.0, -5.0), rel=(0.0, None), rates=0.05),
+    Part(100.0, relative=3.0, brake=1.0, wf=(-300.0, 300.0), rel=(0.0, None), seconds=0.75, rates=0.003),
 )  # fmt: skip
 _DECREASING = Shift(
     "upshift-23-kickdown", "upshift from second to third gear at falling torque", (2, 3), (800.0, 600.0), 75.0,
-    Part(50.0, wheel=3.0, brake=1.0, clutch=100.0, wf=(-300.0, -5.0), rel=(0.0, None)),
-    Part(50.0, relative=5.0, brake=2.0, wf=(-300.0, 300.0), rel=(-100.0, None), seconds=1.0),
+    Part(50.0, wheel=3.0, brake=1.0, clutch=100.0, wf=(-300.0, -5.0), rel=(0.0, None), rates=0.05),
+    Part(50.0, relative=5.0, brake=2.0, wf=(-300.0, 300.0), rel=(-100.0, None), seconds=1.0, rates=0.003),
 )  # fmt: skip
 _FIRST = Shift(
     "upshift-12", "upshift from first to second gear at falling torque", (1, 2), (1600.0, 850.0), 40.0,
     Part(50.0, brake=1.0, clutch=100.0, wf=(-1000.0, -200.0), rel=(-1000.0, 1000.0), clutch_force=250.0),
-    Part(50.0, relative=1.0, brake=20.0, wf=(-500.0, 0.0), rel=(-100.0, None), seconds=1.0),
-    force=250.0, slip_back=-1000.0, fall=0.21, guard=Guard(2.0, 0.3, 0.45, 0.05),
+    Part(50.0, relative=1.0, brake=20.0, wf=(-500.0, 0.0), rel=(-100.0, None), seconds=1.0, rates=0.003),
+    force=250.0, slip_back=-1000.0, fall=0.21, guard=Guard(6.0, 0.15, 0.47, 0.05),
 )  # fmt: skip
 _HELD = replace(
     _FIRST, name="upshift-12-held", title="upshift from first to second gear from the torque that can be held",
@@ -139,9 +145,9 @@ _HELD = replace(
 )  # fmt: skip
 _DOWN = Shift(
     "downshift-32", "downshift from third to second gear under power, the brake off", (3, 2), (400.0, 400.0), 45.0,
-    Part(50.0, clutch=100.0, brake_force=0.01),
-    Part(50.0, relative=1.0, rel=(-400.0, None), brake_force=0.01, seconds=1.0),
-    slip_back=-1000.0,
+    Part(50.0, clutch=100.0, brake_force=0.01, rates=0.05),
+    Part(50.0, relative=1.0, rel=(-400.0, None), brake_force=0.01, seconds=1.0, rates=0.003),
+    slip_back=-1000.0, fading=1000.0,
 )  # fmt: skip
 SHIFTS: Mapping[str, Shift] = {shift.name: shift for shift in (_CONSTANT, _DECREASING, _FIRST, _HELD, _DOWN)}
 """By the name that the command takes."""

@@ -11,7 +11,8 @@ Weights, limits and horizon are those of the document. What departs from it:
   its torque; it is counted as one by a fallback.
 * Limits of a call leave room for a plant that is not the model: :mod:`hysdel_py.demos.shifts.margins`.
 * The rates have a small weight, so that torque and clutch force do not swing from sample to sample.
-* Forces are effective ones, where an observer tells the friction: factor times force.
+* Forces are effective ones, where an observer tells the friction: factor times force. References are those of the time
+  when the input acts.
 * Where hard limits leave no plan, a plan with softened limits is taken; where there is none at all, the brake is
   released and the engine takes over its torque. Both are counted.
 """
@@ -31,6 +32,7 @@ from hysdel_py.control.hybrid_mpc import HybridMpc
 from hysdel_py.control.limits import Limits
 from hysdel_py.control.move import Move, MoveStatus
 from hysdel_py.demos.shifts import references
+from hysdel_py.demos.shifts.call_limits import FASTEST, effective_rates, of_guard, of_landing
 from hysdel_py.demos.shifts.cases import HORIZON, Part, Shift
 from hysdel_py.demos.shifts.margins import Margins
 from hysdel_py.demos.shifts.observer import ShiftObserver
@@ -53,13 +55,13 @@ BRAKE_RULE = -8.0
 """Flywheel speed up to which a plan may use the brake [rad/s]."""
 NO_RULE = 1000.0
 """The same where there is no rule."""
-RATES = {1: {"Te_rate": 0.01, "Fnb_rate": 0.01, "Fnc_rate": 0.01}, 2: {"Te_rate": 0.003}}
-"""Weights of the rates in both parts, per Nm/s and N/s: without them torque and clutch force swing between samples."""
+RATES = {1: ("Te_rate", "Fnb_rate", "Fnc_rate"), 2: ("Te_rate",)}
+"""Rates with a weight in both parts."""
 _LEAN = 1e-5  # what a measured torque or force is moved by, off a threshold that a plan ended on
+_NEAR = 1e-4  # N, around the threshold, where rounding leaves neither side
 _ON = 0.01  # N, threshold of the brake rule
 _NOTICED = 1.0  # N, brake force that is worth a plan of its own
 _OPEN = 0.5  # N, clutch force that is let go
-_FASTEST = {"Te_rate": (-396.0, 495.0), "Fnb_rate": (-495.0, 792.0), "Fnc_rate": (-495.0, 792.0)}
 _PRICE = 1e4
 
 
@@ -91,7 +93,7 @@ def shift_limits(shift: Shift, part: int, data: Transmission) -> Limits:
             "wv": (gear * data.r_d * low, gear * data.r_d * high),
         },
         y={"torque": (0.0, 2000.0), "wf": own.wf, "rel": own.rel},
-        u=_FASTEST,
+        u=dict(FASTEST),
         soft=("wf",) if shift.guard else (),
         rho=_PRICE,
     )  # fmt: skip
@@ -115,7 +117,7 @@ def shift_cost(own: Part, part: int) -> Cost:
     forces = {"Fnb": own.brake, "Fnc": own.clutch}
     x = {name: weight for name, weight in forces.items() if weight}
     y = {name: weight for name, weight in outputs.items() if weight}
-    return Cost(y=y, x=x, terminal=x, u=RATES[part])
+    return Cost(y=y, x=x, terminal=x, u=dict.fromkeys(RATES[part], own.rates))
 
 
 def part_of(shift: Shift, part: int) -> Part:
@@ -181,9 +183,13 @@ class PartController:
         state, grip = self.sensors.read(x), np.ones(2)
         if self.observer is not None:
             state, grip = self.observer.update(state, self.last), self.observer.factors
-        move = self._planned(self._seen(state), self.since + references.ahead(k), grip)
+        move = self._planned(self._seen(state), self.since + references.ahead(k) + self._delay, grip)
         self.last = release_brake(k, x, move) if move.u is None else move.u
         return move
+
+    @property
+    def _delay(self) -> float:
+        return 0.0 if self.observer is None else self.observer.delay
 
     def _planned(self, seen: Vector, t: Vector, grip: Vector) -> Move:
         off = self._brake_is_off(seen)
@@ -191,19 +197,29 @@ class PartController:
         move = self._late_move(seen, t, grip) if late else self._move(seen, t, grip, off=off)
         if move.u is None and not late and self._still_brakes(seen):
             move, off = self._late_move(seen, t, grip), True
+        if move.u is None and self.part == 2:
+            move = self._hard_landing(seen, t, grip, off=off)
         self.margins.remember(move)
         if move.u is None:
             return move
         rates = move.u / [1.0, grip[1], grip[0]]
         if off:
-            rates[1] = _FASTEST["Fnb_rate"][0]
+            rates[1] = FASTEST["Fnb_rate"][0]
         if self.part == 1 and seen[2] + references.SAMPLE_TIME * move.u[2] < _OPEN:
-            rates[2] = _FASTEST["Fnc_rate"][0]
+            rates[2] = FASTEST["Fnc_rate"][0]
         return replace(move, u=rates)
 
-    def _move(self, seen: Vector, t: Vector, grip: Vector, *, off: bool) -> Move:
+    def _hard_landing(self, seen: Vector, t: Vector, grip: Vector, *, off: bool) -> Move:
+        """A plan in which the relative speed may fall faster than lock-up allows."""
+        move = self._move(seen, t, grip, off=off, lands=False)
+        return move if move.u is None else replace(move, status=MoveStatus.FALLBACK, fallback="hard landing")
+
+    def _move(self, seen: Vector, t: Vector, grip: Vector, *, off: bool, lands: bool = True) -> Move:
         begin = seen * [1.0, 0.0 if off else 1.0, 1.0, 1.0, 1.0, 1.0, 1.0]
-        move: Move = self.mpc.solve(begin, self._references(seen, t), limits=self._limits(begin, t, grip))
+        limits = self._limits(begin, t, grip)
+        if not lands:
+            limits = replace(limits, y={})
+        move: Move = self.mpc.solve(begin, self._references(seen, t, grip), limits=limits)
         if self.modes is not None:
             self.modes.remember(move)
         return move
@@ -214,7 +230,7 @@ class PartController:
             self._late = self.without_rule()
         limits = self._limits(seen, t, grip)
         limits = replace(limits, x={**limits.x, "Fnb": self.margins.released(seen, grip)})
-        move: Move = self._late.solve(seen, self._references(seen, t), limits=limits)
+        move: Move = self._late.solve(seen, self._references(seen, t, grip), limits=limits)
         if move.u is None:
             return move
         return replace(move, status=MoveStatus.FALLBACK, fallback="late brake")
@@ -233,18 +249,20 @@ class PartController:
         variables = self.mpc.mld.x
         seen: Vector = np.clip(state, [v.low for v in variables], [v.high for v in variables])
         seen[0] = max(0.0, min(seen[0], engine_limit(seen[4], beyond="range")) - _LEAN)
-        seen[1] = max(0.0, seen[1] - _LEAN)
+        seen[1] = _ON - _LEAN if abs(seen[1] - _ON) < _NEAR else max(0.0, seen[1] - _LEAN)
         return seen
 
-    def _references(self, x: Vector, t: Vector) -> dict[str, Any]:
+    def _references(self, x: Vector, t: Vector, grip: Vector) -> dict[str, Any]:
         shift, data = self.shift, self.data
-        wanted: dict[str, Any] = {"torque": references.torque_reference(shift.torques, t, shift.fall)}
+        beside = 0.0 if self.observer is None else self.observer.torque_beside
+        wanted: dict[str, Any] = {"torque": references.torque_reference(shift.torques, t, shift.fall) - beside}
         if self.part == 2:
             relative = data.relative_speed(shift.gears[1], x[4], x[5])
             lands = abs(relative) <= references.LANDING_SPEED
-            return wanted | {"rel": references.landing(relative) if lands else 0.0}
+            return wanted | {"rel": references.landing(relative, shift.fading) if lands else 0.0}
         if shift.release.wheel:
-            wanted["wf"] = references.wheel_reference(shift, data, x[5], self.force, t)
+            nearest = self.margins.nearest(x, float(grip[1]))
+            wanted["wf"] = references.wheel_reference(shift, data, x[5], self.force, t, nearest=nearest)
         if self.forces is not None:
             times = references.SAMPLE_TIME * np.arange(len(self.forces))
             wanted["Fnc"] = np.interp(t, times, self.forces)
@@ -252,35 +270,11 @@ class PartController:
 
     def _limits(self, x: Vector, t: Vector, grip: Vector) -> Limits:
         own = self.margins.limits(x, grip)
-        limits = self._of_guard(x, t, own["Fnc"][1]) if self.part == 1 else self._of_landing(x)
+        if self.part == 1:
+            limits = of_guard(self.shift, self.data, x, t, strongest=own["Fnc"][1], grip=min(float(grip[0]), 1.0))
+        else:
+            limits = of_landing(self.shift, self.data, x)
         limits = replace(limits, x={**own, **limits.x})
         if self.modes is not None:
             limits = replace(limits, x=self.modes.limits().x)
-        return limits if self.observer is None else replace(limits, u=_effective_rates(grip))
-
-    def _of_guard(self, x: Vector, t: Vector, strongest: Vector) -> Limits:
-        guard = self.shift.guard
-        if guard is None:
-            return Limits()
-        fall = 495.0 * np.clip(guard.open_by - t, 0.0, None)
-        within_reach = x[2] - 4.9 * np.arange(len(t))
-        most = np.clip(np.maximum(fall, within_reach), 0.01, strongest)
-        most[0] = strongest[0]
-        wheel = (self.shift.release.wf[0], references.guard_limit(self.shift, self.data, x[5], t))
-        return Limits(y={"wf": wheel}, x={"Fnc": (0.01, most)})
-
-    def _of_landing(self, x: Vector) -> Limits:
-        """The relative speed of an upshift falls no faster than lock-up allows."""
-        relative = self.data.relative_speed(self.shift.gears[1], x[4], x[5])
-        low = self.shift.engage.rel[0]
-        if low is None or relative <= 0.0:
-            return Limits()
-        always, share = references.LANDING_MARGIN
-        least = np.maximum(references.landing(relative) - always - share * relative, low)
-        return Limits(y={"rel": (least, None)})
-
-
-def _effective_rates(grip: Vector) -> dict[str, tuple[float, float]]:
-    """Limits of the rates of effective forces that the actuators can follow, within those of the model."""
-    shares = {"Fnb_rate": min(float(grip[1]), 1.0), "Fnc_rate": min(float(grip[0]), 1.0)}
-    return {name: (share * _FASTEST[name][0], share * _FASTEST[name][1]) for name, share in shares.items()}
+        return limits if self.observer is None else replace(limits, u=effective_rates(grip))

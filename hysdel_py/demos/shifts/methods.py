@@ -9,7 +9,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
@@ -34,6 +34,9 @@ Vector = NDArray[np.float64]
 METHODS = ("hybrid", "linear", "ramps")
 """Names of the controllers."""
 _CLUTCH = 2
+_PASSES = 1.2  # rad/s in a sample: the engine passes the new gear, as it does in a downshift
+_GUARDED = (1.0, 0.5, 0.0)
+"""Shares of the slip of the guard, of which the first that leaves a plan is taken."""
 
 
 def first_state(shift: Shift, data: Transmission, grip: float = 1.0) -> Vector:
@@ -86,13 +89,14 @@ class Method:
     _observer: ShiftObserver | None = field(init=False, default=None)
     _planned: PartController | None = field(init=False, default=None)
     _close: int = field(init=False, default=0)
+    _before: float | None = field(init=False, default=None)
 
     def __post_init__(self) -> None:
         if self.name not in METHODS:
             raise ArgumentError(f"controller is {self.name!r}: one of {', '.join(METHODS)} was expected")
         if self.observed:
             gear, grip = self.shift.gears[0], self._first_grip()
-            self._observer = ShiftObserver(self.data, gear, SAMPLE_TIME, grip, self.delay)
+            self._observer = ShiftObserver(self.data, gear, SAMPLE_TIME, grip, self.delay, settled=self.just_sticks)
 
     def controller(self, part: int) -> Any:
         """The controller of part 1 or 2."""
@@ -115,11 +119,21 @@ class Method:
         return Lockup(self.shift, self.data, self.sensors, self._observer, self._planned.last)
 
     def met(self, _k: int, x: Vector) -> bool:
-        """Whether the speeds of engine and new gear have met as far as is measured, or are close and stay so."""
-        seen = self.sensors.read(x)
-        relative = abs(self.data.relative_speed(self.shift.gears[1], seen[4], seen[5]))
-        self._close = self._close + 1 if relative < CLOSE else 0
-        return relative < HANDED_OVER or self._close > CLOSE_SAMPLES
+        """Whether the speeds of engine and new gear have met as far as is known, or are close and stay so."""
+        relative, doubt = self._relative(x)
+        passes = self._before is not None and abs(relative - self._before) > _PASSES
+        self._before = relative
+        self._close = self._close + 1 if abs(relative) < CLOSE else 0
+        return (abs(relative) < HANDED_OVER + doubt and not passes) or self._close > CLOSE_SAMPLES
+
+    def _relative(self, x: Vector) -> tuple[float, float]:
+        """Relative speed, estimated where measurements are noisy, and the standard deviation of a measured one."""
+        gear, seen = self.shift.gears[1], self.sensors.read(x)
+        engine, secondary = (self.sensors.noise.get(name, 0.0) for name in ("we", "ws"))
+        doubt = float(np.hypot(engine, secondary / self.data.gears[gear]))
+        if self._observer is not None and doubt > 0.0:
+            seen[4:6] = self._observer.shafts
+        return self.data.relative_speed(gear, seen[4], seen[5]), doubt
 
     def _mpc(self, part: int) -> Any:
         if self.name == "linear":
@@ -152,13 +166,17 @@ class Method:
         return share * float(self.start[_CLUTCH])
 
     def _forces(self, part: int) -> Vector | None:
-        """Clutch force of part 1 where engine and brake cannot carry the torque at once [N]."""
+        """Effective clutch force of part 1 where engine and brake cannot carry the torque at once [N]."""
         if part == 2 or self.shift.guard is None:
             return None
-        start = self.start.copy()
-        start[_CLUTCH] = max(self._carried() / self.data.mu, 0.0)
-        try:
-            plan = least_deviation(self.shift, self.data, start, self.shift.guard.open_by)
-        except ArgumentError:  # the start leaves no such plan; the clutch force follows zero, as in the other shifts
-            return None
-        return np.asarray(plan.x[:, _CLUTCH] / self.data.mu, dtype=float)
+        grip = 1.0 if self._observer is None else min(self._first_grip(), 1.0)
+        data, start = replace(self.data, mu=grip * self.data.mu), self.start.copy()
+        start[_CLUTCH] = max(self._carried() / data.mu, 0.0)
+        for share in _GUARDED:
+            guard = replace(self.shift.guard, slip=share * self.shift.guard.slip)
+            try:
+                plan = least_deviation(replace(self.shift, guard=guard), data, start, guard.open_by)
+            except ArgumentError:  # the start leaves no such plan
+                continue
+            return np.asarray(plan.x[:, _CLUTCH] / self.data.mu, dtype=float)
+        return None  # the clutch force follows zero, as in the other shifts

@@ -30,12 +30,12 @@ Vector = NDArray[np.float64]
 SAMPLE_TIME = 0.01
 _RELEASE_RATE = 495.0  # N/s
 _WHEEL_SECONDS = 0.25  # from the opened clutch to the target
+_BEHIND = 60.0
+"""By how much the flywheel still lacks its target at the gear change [rad/s]."""
 LANDING_SPEED = 40.0
 """Relative speed below which it has this reference; above the reference is zero [rad/s]."""
 LANDING_MARGIN = (0.05, 0.1)
 """By how much a plan may be below [rad/s]: a number, and a share of the relative speed."""
-LANDING_FADING = 1000.0
-"""How fast [rad/s^3]."""
 LANDING_SLOPE = 8.0
 """What is left of it at lock-up [rad/s^2]."""
 
@@ -52,7 +52,9 @@ def torque_reference(torques: tuple[float, float], t: ArrayLike, seconds: float)
     return smooth(*torques, np.asarray(t, dtype=float) / seconds)
 
 
-def wheel_reference(shift: Shift, data: Transmission, secondary: float, force: float, t: ArrayLike) -> Vector:
+def wheel_reference(
+    shift: Shift, data: Transmission, secondary: float, force: float, t: ArrayLike, *, nearest: float = 0.0
+) -> Vector:
     """Flywheel speed of part 1 at times since its begin [rad/s].
 
     Parameters
@@ -61,9 +63,12 @@ def wheel_reference(shift: Shift, data: Transmission, secondary: float, force: f
         Speed of the secondary shaft now [rad/s]; it hardly changes during a shift.
     force : float
         Clutch force at the begin [N], which settles when the clutch is open.
+    nearest : float
+        Flywheel speed up to which the brake can be released before the flywheel reverses [rad/s].
     """
     held = data.flywheel_speed(secondary / data.gears[shift.gears[0]] + shift.held_slip, secondary)
-    return smooth(held, shift.wheel_target, (np.asarray(t, dtype=float) - force / _RELEASE_RATE) / _WHEEL_SECONDS)
+    target = min(shift.wheel_target, nearest + _BEHIND)
+    return smooth(held, target, (np.asarray(t, dtype=float) - force / _RELEASE_RATE) / _WHEEL_SECONDS)
 
 
 def ahead(k: int) -> Vector:
@@ -71,16 +76,16 @@ def ahead(k: int) -> Vector:
     return np.asarray(SAMPLE_TIME * (k + np.arange(HORIZON + 1)), dtype=float)
 
 
-def landing(relative: float) -> Vector:
+def landing(relative: float, fading: float) -> Vector:
     """How the relative speed dies away over a plan that begins at a relative speed [rad/s].
 
     Its slope fades evenly, as the rates of engine and clutch allow, to that at lock-up:
     ``s(t) = s0 - v t + j t^2/2`` with ``v^2 = a^2 + 2 j s0``, which meets zero with the slope -a.
     """
     size = abs(relative)
-    slope = np.sqrt(LANDING_SLOPE**2 + 2.0 * LANDING_FADING * size)
-    t = np.minimum(SAMPLE_TIME * np.arange(HORIZON + 1), (slope - LANDING_SLOPE) / LANDING_FADING)
-    value: Vector = np.maximum(size - slope * t + LANDING_FADING / 2.0 * t * t, 0.0) * np.sign(relative)
+    slope = np.sqrt(LANDING_SLOPE**2 + 2.0 * fading * size)
+    t = np.minimum(SAMPLE_TIME * np.arange(HORIZON + 1), (slope - LANDING_SLOPE) / fading)
+    value: Vector = np.maximum(size - slope * t + fading / 2.0 * t * t, 0.0) * np.sign(relative)
     return value
 
 

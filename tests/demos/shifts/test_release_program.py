@@ -22,7 +22,7 @@ FIRST = SHIFTS["upshift-12"]
 
 @pytest.fixture(scope="module")
 def plan():
-    return least_deviation(FIRST, DATA, first_state(FIRST, DATA), 0.45)
+    return least_deviation(FIRST, DATA, first_state(FIRST, DATA), FIRST.guard.open_by)
 
 
 def test_dynamics_are_those_of_the_shipped_model():
@@ -36,15 +36,18 @@ def test_dynamics_are_those_of_the_shipped_model():
 
 def test_plan_is_proven_the_best(plan):
     assert plan.proven == pytest.approx(plan.deviation, abs=1e-6)
-    assert 0.001 < plan.deviation < 0.01, (
-        "the shift of the document can be done within 1 %, if the torque falls in time"
-    )
+    assert 0.001 < plan.deviation < 0.02, "the shift can be done within 2 % with the slip of its guard"
+
+
+def test_shift_of_the_document_can_be_done_within_one_percent():
+    loose = replace(FIRST, guard=replace(FIRST.guard, slip=0.0))
+    assert least_deviation(loose, DATA, first_state(loose, DATA), FIRST.guard.open_by).proven < 0.01
 
 
 def test_plan_keeps_its_limits(plan):
     slip = plan.x[:, 4] - plan.x[:, 5] / DATA.gears[1]
-    assert slip[:45].min() > -1e-6
-    assert plan.x[46:, 2].max() <= 0.01 + 1e-6
+    assert slip[:47].min() > -1e-6
+    assert plan.x[48:, 2].max() <= 0.01 + 1e-6
     assert all(x[0] <= engine_limit(x[4]) + 1e-6 for x in plan.x)
     assert plan.u.min() >= -500 - 1e-6
     assert plan.u.max() <= 800 + 1e-6
