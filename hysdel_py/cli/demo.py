@@ -66,7 +66,7 @@ def add_parser(commands: argparse._SubParsersAction[argparse.ArgumentParser]) ->
         "--output", metavar="FOLDER", default="hysdel-demo", help="where the files go (default hysdel-demo)"
     )
     parser.add_argument("--json", action="store_true", help="print the figures as JSON and write no files")
-    parser.set_defaults(run=run)
+    parser.set_defaults(run=run, compiles=True)
 
 
 def run(options: argparse.Namespace) -> int:

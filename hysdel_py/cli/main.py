@@ -13,7 +13,7 @@ from hysdel_py.cli import drop_in
 from hysdel_py.cli.arguments import join_negative_values
 from hysdel_py.cli.colour import painted
 from hysdel_py.cli.output import print_json
-from hysdel_py.cli.progress import clear_progress, is_terminal
+from hysdel_py.cli.progress import clear_progress, is_terminal, tell_of_compiling
 from hysdel_py.cli.versions import all_versions
 from hysdel_py.errors import ArgumentError, CompileError, HysdelError
 from hysdel_py.version import __version__
@@ -147,6 +147,8 @@ def _guarded(options: argparse.Namespace) -> int:
     """Run a command; every error becomes a message and an exit status."""
     status = MISTAKE
     try:
+        if getattr(options, "compiles", False):
+            tell_of_compiling()
         status = options.run(options)
     except BrokenPipeError:
         raise

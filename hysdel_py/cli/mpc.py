@@ -62,7 +62,7 @@ def add_parser(commands: argparse._SubParsersAction[argparse.ArgumentParser]) ->
     _add_records(parser)
     add_files(parser)
     add_output(parser, "the trajectory")
-    parser.set_defaults(run=run)
+    parser.set_defaults(run=run, compiles=True)
 
 
 def _add_shape(parser: argparse.ArgumentParser) -> None:

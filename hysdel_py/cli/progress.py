@@ -8,7 +8,7 @@ import time
 from collections.abc import Callable
 from math import inf
 
-__all__ = ["Progress", "clear_progress", "counter", "progress_line"]
+__all__ = ["Progress", "clear_progress", "counter", "progress_line", "tell_of_compiling"]
 
 _CLEAR = "\x1b[K"  # what a terminal takes as: empty the line from here on
 _CELLS = 24
@@ -90,6 +90,16 @@ def counter(enabled: bool, text: str) -> Callable[..., None] | None:
             progress.tell(text.format(*counts))
 
     return tell
+
+
+def tell_of_compiling() -> None:
+    """Say why it takes so long, where kernels have to be compiled first and somebody watches."""
+    if not is_terminal():
+        return
+    from hysdel_py.optimize.warm_up import must_compile
+
+    if must_compile():
+        print("compiling the solvers: half a minute or more, once for this installation", file=sys.stderr, flush=True)
 
 
 def clear_progress(progress: object) -> None:

@@ -47,7 +47,7 @@ def add_parser(commands: argparse._SubParsersAction[argparse.ArgumentParser]) ->
     parser.add_argument("--node-log", metavar="FILE", help="write every node of the search as CSV")
     parser.add_argument("--tree", metavar="FILE", help="draw the search tree (.svg, .png, .pdf)")
     add_output(parser, "the answer")
-    parser.set_defaults(run=run)
+    parser.set_defaults(run=run, compiles=True)
 
 
 def run(options: argparse.Namespace) -> int:

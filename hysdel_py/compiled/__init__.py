@@ -2,6 +2,6 @@
 
 from __future__ import annotations
 
-from hysdel_py.compiled.decorators import compiled, either, kernels_are_compiled, leaf, reordered
+from hysdel_py.compiled.decorators import compiled, either, is_on_disk, kernels_are_compiled, leaf, reordered
 
-__all__ = ["compiled", "either", "kernels_are_compiled", "leaf", "reordered"]
+__all__ = ["compiled", "either", "is_on_disk", "kernels_are_compiled", "leaf", "reordered"]

@@ -13,7 +13,7 @@ from functools import cache
 from pathlib import Path
 from typing import Any, TypeVar
 
-__all__ = ["compiled", "either", "kernels_are_compiled", "leaf", "reordered"]
+__all__ = ["compiled", "either", "is_on_disk", "kernels_are_compiled", "leaf", "reordered"]
 
 F = TypeVar("F", bound=Callable[..., Any])
 
@@ -70,6 +70,15 @@ def either(loops: F, arrays: F, kernel: Callable[[F], F] = compiled) -> F:
     For the innermost steps only: loops over elements are what a compiler likes and what plain Python is slow at.
     """
     return kernel(loops) if kernels_are_compiled() else arrays
+
+
+def is_on_disk(kernel: Callable[..., Any]) -> bool:
+    """Whether code of a kernel is kept on disk, for some types of arguments; never where nothing is compiled."""
+    folder = getattr(getattr(getattr(kernel, "entry", kernel), "stats", None), "cache_path", None)
+    if folder is None:
+        return False
+    stem = kernel.__module__.rpartition(".")[2]
+    return any(Path(folder).glob(f"{stem}.{kernel.__name__}-*.nbi"))
 
 
 def kernels_are_compiled() -> bool:

@@ -8,6 +8,7 @@ import pytest
 
 from hysdel_py.cli.colour import painted
 from hysdel_py.cli.interrupt import first_interrupt
+from hysdel_py.cli.main import main
 from hysdel_py.cli.progress import bar, is_terminal, progress_line, spoken
 
 pytest.importorskip("pty", reason="there are no pseudo-terminals on this system")
@@ -128,6 +129,16 @@ def test_a_dumb_terminal_gets_no_bar(monkeypatch):
     assert is_terminal()
     monkeypatch.setenv("TERM", "dumb")
     assert not is_terminal()
+
+
+@pytest.mark.parametrize(
+    ("compile_first", "command", "said"), [(True, "mpc", True), (False, "mpc", False), (True, "check", False)]
+)
+def test_who_waits_for_the_compiler_is_told(monkeypatch, capsys, compile_first, command, said):
+    monkeypatch.setattr("hysdel_py.optimize.warm_up.must_compile", lambda: compile_first)
+    monkeypatch.setattr("hysdel_py.cli.progress.is_terminal", lambda: True)
+    main([command, "no_such_model"])
+    assert ("compiling the solvers" in capsys.readouterr().err) is said
 
 
 def test_the_first_interrupt_is_noted_and_the_second_obeyed():

@@ -99,3 +99,15 @@ def test_numba_alone_will_do(monkeypatch):
 
     assert three() == 3
     assert three.signatures
+
+
+@needs_numba
+def test_what_is_on_disk_is_known():
+    @compiled
+    def never_called(x):
+        return 2 * x
+
+    assert not module.is_on_disk(never_called)
+    assert not module.is_on_disk(abs)
+    assert root_of_sum(np.ones(4)) == 2.0
+    assert module.is_on_disk(root_of_sum)
