@@ -311,10 +311,10 @@ class Polyhedron:
             return None
         try:
             found = self.generators
-            shadows = [_shadow_of_ways(ways[:, kept]) for ways in (found.rays, found.lines)]
-            if any(ways is None for ways in shadows):
+            rays, lines = _shadow_of_ways(found.rays[:, kept]), _shadow_of_ways(found.lines[:, kept])
+            if rays is None or lines is None:
                 return None
-            return Polyhedron.hull(found.points[:, kept], *shadows, self.precision)
+            return Polyhedron.hull(found.points[:, kept], rays, lines, self.precision)
         except ArgumentError:
             return None  # of a bad scale: coordinates are eliminated one after the other
 
@@ -362,4 +362,4 @@ def _shadow_of_ways(ways: Matrix) -> Matrix | None:
     """Rays or lines of unit length in some coordinates, without those that vanish there; None if some are in doubt."""
     lengths = np.sqrt(np.einsum("ij,ij->i", ways, ways))
     real = lengths > _ROUNDING
-    return None if np.any(lengths[real] < _DOUBTFUL) else ways[real]
+    return None if np.any(lengths[real] < _DOUBTFUL) else np.asarray(ways[real])
