@@ -310,11 +310,11 @@ class Polyhedron:
         if not kept or self.n > _EASY_VERTICES:
             return None
         try:
-            found = self.generators
-            rays, lines = _shadow_of_ways(found.rays[:, kept]), _shadow_of_ways(found.lines[:, kept])
+            whole = self.generators
+            rays, lines = _shadow_of_ways(whole.rays[:, kept]), _shadow_of_ways(whole.lines[:, kept])
             if rays is None or lines is None:
                 return None
-            return Polyhedron.hull(found.points[:, kept], rays, lines, self.precision)
+            return Polyhedron.hull(whole.points[:, kept], rays, lines, self.precision)
         except ArgumentError:
             return None  # of a bad scale: coordinates are eliminated one after the other
 
