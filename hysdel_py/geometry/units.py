@@ -27,5 +27,5 @@ def column_units(A: Any) -> NDArray[np.float64]:
     most = sizes.max(axis=0)
     least = np.where(sizes > _NO_COEFFICIENT, sizes, np.inf).min(axis=0)
     small = (least < np.inf) & ((most < _SMALL_COLUMN) | (least < _SMALL_COEFFICIENT))
-    middle = np.sqrt(np.where(small, least * most, 1.0))
-    return np.asarray(np.exp2(np.round(np.log2(middle))))
+    middle = 0.5 * (np.log2(np.where(small, least, 1.0)) + np.log2(np.where(small, most, 1.0)))
+    return np.asarray(np.exp2(np.round(middle)))
