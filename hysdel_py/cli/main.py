@@ -105,6 +105,9 @@ def main(arguments: Sequence[str] | None = None) -> int:
     except BrokenPipeError:
         _forget_output()
         return FINE
+    except KeyboardInterrupt:  # before a command runs: while those there are, or the arguments, are read
+        print("interrupted", file=sys.stderr)
+        return MISTAKE
 
 
 def _run(arguments: Sequence[str]) -> int:

@@ -24,6 +24,9 @@ _FEW_POINTS = 40
 _THINNEST = 1e-12
 """Points that are thinner than this along some direction, relative to their size, are left to Qhull."""
 
+_ROUNDING = 1e-14
+"""What coordinates of points are off by, relative to the greatest."""
+
 _NO_ROW = 1e-10
 """A vertex of the polar this close to the origin, relative to the farthest one, gives no row."""
 
@@ -57,7 +60,7 @@ def hull_rows(points: Matrix, rays: Matrix, lines: Matrix, precision: Precision)
     )
     found = _few_rows(H, len(points), len(rays))
     if found is None and len(points) == len(H) <= _FEW_POINTS:
-        found = _rows_of_sliver(H)
+        found = _rows_of_sliver(H, _ROUNDING * np.abs(points).max(axis=0) / sizes)
     rows, sides = _many_rows(H, len(points), len(rays), len(lines), precision) if found is None else found
     A = rows / sizes
     lengths = np.sqrt(np.einsum("ij,ij->i", A, A))
@@ -90,11 +93,14 @@ def _few_rows(H: Matrix, points: int, rays: int) -> tuple[Matrix, Vector] | None
     return np.vstack([facets[order], equal, -equal]), np.concatenate([sides[order], np.zeros(2 * len(equal))])
 
 
-def _rows_of_sliver(H: Matrix) -> tuple[Matrix, Vector] | None:
-    """As :func:`_few_rows`, in the principal axes of the points, which are thin along one that is no coordinate."""
+def _rows_of_sliver(H: Matrix, rounding: Vector) -> tuple[Matrix, Vector] | None:
+    """As :func:`_few_rows`, in the principal axes of the points, which are thin along one that is no coordinate.
+
+    Points that are as thin as the rounding of their coordinates are flat, and not for here.
+    """
     shifted = H[:, 1:] / H[:, :1]
     _, sizes, axes = np.linalg.svd(shifted, full_matrices=False)
-    if len(sizes) < H.shape[1] - 1 or sizes[-1] <= _THINNEST * sizes[0]:
+    if len(sizes) < H.shape[1] - 1 or sizes[-1] <= max(_THINNEST * sizes[0], rounding @ np.abs(axes[-1])):
         return None
     turned = np.column_stack([np.ones(len(H)), shifted @ axes.T / sizes])
     found = _few_rows(turned / np.sqrt(np.einsum("ij,ij->i", turned, turned))[:, None], len(H), 0)

@@ -11,7 +11,7 @@ and mixed-integer linear programming", Mathematical Programming 99, 2004), with 
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from enum import Enum
 from typing import Any
 
@@ -20,6 +20,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from hysdel_py.geometry.precision import DEFAULT_PRECISION, Precision
 from hysdel_py.geometry.small_programs import are_small, greatest_values
+from hysdel_py.geometry.units import column_units
 
 __all__ = ["Lp", "LpResult", "LpStatus", "is_proven_empty", "maximise", "proven_bound", "sharpened_bound"]
 
@@ -110,12 +111,13 @@ def maximise(
         return _nothing(lp, LpStatus.INFEASIBLE)
     if not len(lp.c):
         return _without_variables(lp)
-    if are_small(*A.shape):
-        small = _with_simplex(lp, precision)
-        if small is not None:
-            return small
-    answer = _with_piqp(lp, precision) if not vertex and A.shape[0] * A.shape[1] <= DENSE_UP_TO else None
-    return _with_highs(lp) if answer is None else answer
+    small = _with_simplex(lp, precision) if are_small(*A.shape) else None
+    if small is not None and small.status is not LpStatus.INFEASIBLE:
+        return small
+    units = column_units(A)
+    if np.any(units != 1.0):
+        return _in_units(lp, units, precision, vertex=vertex)
+    return _with_others(lp, precision, vertex=vertex) if small is None else small
 
 
 def proven_bound(lp: Lp, y: Vector) -> float:
@@ -279,6 +281,21 @@ def _highs(lp: Lp, cost: Vector, real: NDArray[np.bool_], *, presolve: bool = Tr
     tight = {"primal_feasibility_tolerance": 1e-10, "dual_feasibility_tolerance": 1e-10, "presolve": presolve}
     rows = (lp.A[real], lp.b[real]) if real.any() else (None, None)
     return linprog(cost, *rows, bounds=np.column_stack([lp.lb, lp.ub]), method="highs", options=tight)
+
+
+def _in_units(lp: Lp, units: Vector, precision: Precision, *, vertex: bool) -> LpResult:
+    """Solve a program in units of its variables."""
+    scaled = Lp(lp.c / units, lp.A / units, lp.b, lp.lb * units, lp.ub * units)
+    found = _with_simplex(scaled, precision) if are_small(*lp.A.shape) else None
+    found = _with_others(scaled, precision, vertex=vertex) if found is None else found
+    return replace(found, w=found.w / units)
+
+
+def _with_others(lp: Lp, precision: Precision, *, vertex: bool) -> LpResult:
+    """Answer of PIQP, and of HiGHS where that does not stand the check."""
+    dense = not vertex and lp.A.shape[0] * lp.A.shape[1] <= DENSE_UP_TO
+    answer = _with_piqp(lp, precision) if dense else None
+    return _with_highs(lp) if answer is None else answer
 
 
 _HIGHS = {0: LpStatus.OPTIMAL, 2: LpStatus.INFEASIBLE, 3: LpStatus.UNBOUNDED}

@@ -34,6 +34,9 @@ _EASY_VERTICES = 6
 _ROUNDING = 1e-14
 """A sum this small relative to the sizes of its terms is zero."""
 
+_DOUBTFUL = 1e-9
+"""A shadow of a unit ray that is this short, but not zero, may be a ray or rounding."""
+
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Polyhedron:
@@ -307,8 +310,11 @@ class Polyhedron:
         if not kept or self.n > _EASY_VERTICES:
             return None
         try:
-            points, rays, lines = self.generators.points, self.generators.rays, self.generators.lines
-            return Polyhedron.hull(points[:, kept], rays[:, kept], lines[:, kept], self.precision)
+            whole = self.generators
+            rays, lines = _shadow_of_ways(whole.rays[:, kept]), _shadow_of_ways(whole.lines[:, kept])
+            if rays is None or lines is None:
+                return None
+            return Polyhedron.hull(whole.points[:, kept], rays, lines, self.precision)
         except ArgumentError:
             return None  # of a bad scale: coordinates are eliminated one after the other
 
@@ -350,3 +356,10 @@ class Polyhedron:
         if not 0 <= i < self.n:
             raise ArgumentError(f"coordinate {i} does not exist: they are numbered from 0 to {self.n - 1}")
         return int(i)
+
+
+def _shadow_of_ways(ways: Matrix) -> Matrix | None:
+    """Rays or lines of unit length in some coordinates, without those that vanish there; None if some are in doubt."""
+    lengths = np.sqrt(np.einsum("ij,ij->i", ways, ways))
+    real = lengths > _ROUNDING
+    return None if np.any(lengths[real] < _DOUBTFUL) else np.asarray(ways[real])

@@ -66,7 +66,7 @@ def plot_hybrid_law(
         An unknown name, word or number, or there is nothing in the section.
     """
     number = _checked(law, what, by, move, points)
-    drawn, values = _chosen(law, section or {})
+    drawn, values = _chosen(law, {} if section is None else section)
     cut = _cut(law, values, [parameter.name for parameter in drawn])
     shown = _labels(law, drawn, values)
     if cut.p == 1:
@@ -121,6 +121,8 @@ def _checked(law: HybridLaw, what: str, by: str, move: str | int, points: int) -
 
 def _chosen(law: HybridLaw, section: Mapping[str, float]) -> tuple[list[Parameter], dict[str, float]]:
     """The parameters on the axes, and the values of all others."""
+    if not isinstance(section, Mapping):
+        raise ArgumentError(f"section is {section!r}: a mapping of names of parameters to numbers was expected")
     free = {parameter.name: parameter for parameter in law.parameters.free}
     unknown = [name for name in section if name not in free]
     if unknown:
@@ -134,7 +136,10 @@ def _chosen(law: HybridLaw, section: Mapping[str, float]) -> tuple[list[Paramete
 
 def _value(parameter: Parameter, section: Mapping[str, float]) -> float:
     middle = 0.0 if parameter.is_bool else 0.5 * (parameter.low + parameter.high)
-    value = float(section.get(parameter.name, middle))
+    given = section.get(parameter.name, middle)
+    if not isinstance(given, int | float | np.number):
+        raise ArgumentError(f"section: {parameter.name} is {given!r}: a number was expected")
+    value = float(given)
     if parameter.is_bool and value not in (0.0, 1.0):
         raise ArgumentError(f"{parameter.name} is {value:g}: it is Boolean, 0 or 1 was expected")
     return value

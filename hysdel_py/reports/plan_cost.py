@@ -39,7 +39,9 @@ class Fall:
     floor: float = 0.0
 
 
-def fall_of(question: PlanQuestion, wanted: Monitor, greatest: float, parts: int, clock: Clock) -> Fall:
+def fall_of(
+    question: PlanQuestion, wanted: Monitor, greatest: float, parts: int, clock: Clock, *, is_kept: bool
+) -> Fall:
     """Whether the cost falls along each step that starts outside of a target.
 
     Parameters
@@ -51,9 +53,11 @@ def fall_of(question: PlanQuestion, wanted: Monitor, greatest: float, parts: int
         What the best plan costs at most, for the gap that is relative to it.
     parts, clock : int, Clock
         Limits of the work.
+    is_kept : bool
+        Whether each state in which a plan ends has a step that leads back; without it there is nothing to compare with.
     """
     name, stage = f"the cost falls outside of {wanted.text}", question.stage
-    refused = _not_bounded(question, stage)
+    refused = _not_shifted(question, is_kept=is_kept) or _not_bounded(question, stage)
     if refused:
         return Fall(Premise(name, Proof.NOT_SETTLED, "", refused))
     least = _least_outside(question, wanted, stage, clock)
@@ -75,11 +79,20 @@ def _gap(question: PlanQuestion, greatest: float) -> float:
     return max(settings.gap_abs, settings.gap_rel * dearest if settings.gap_rel else 0.0)
 
 
+def _not_shifted(question: PlanQuestion, *, is_kept: bool) -> str:
+    """Why a plan without its first step, with one more, need not be a plan whose cost is known."""
+    if question.obstacles:
+        return "; ".join(question.obstacles)
+    return "" if is_kept else "one more step is not proven for each state in which a plan ends"
+
+
 def _not_bounded(question: PlanQuestion, stage: Squares) -> str:
     if question.formulation.norm is not Norm.SQUARES:
         return "bounds are known for costs of squares only"
     if any(vector == "z" for vector, _ in stage.signals):
         return "weights of real auxiliaries have no bounds here"
+    if question.softened():
+        return f"the price of softened limits ({', '.join(question.softened())}) at one more step has no bound here"
     return ""
 
 

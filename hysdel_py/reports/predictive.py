@@ -119,7 +119,9 @@ def predictive_certificate(
     programs = PlanPrograms(question.formulation, question.table, controller.tolerances, controller.settings)
     cover = _covered(question, programs, box, clock, effort)
     following = _next_plan(question, programs, terminal, None if cover.without is not None else box, clock)
-    fall = None if wanted is None else fall_of(question, wanted, cover.cost, effort.parts, clock)
+    fall = None
+    if wanted is not None:
+        fall = fall_of(question, wanted, cover.cost, effort.parts, clock, is_kept=terminal.holds)
     return PredictiveCertificate(
         question.model.name, controller.horizon, limits, terminal, following, _start_premise(question, cover),
         None if fall is None else fall.premise, "" if wanted is None else wanted.text,

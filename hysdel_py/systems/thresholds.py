@@ -56,7 +56,7 @@ def out_of_gaps(x: Vector, thresholds: tuple[Threshold, ...], most: float) -> Ve
     moved = x
     for threshold in thresholds:
         value = float(moved[threshold.column])
-        if threshold.holds_gap(value) and abs(threshold.false_end - value) <= most:
+        if threshold.holds_gap(value) and abs(threshold.false_end - float(x[threshold.column])) <= most:
             moved = moved.copy()
             moved[threshold.column] = threshold.false_end
     return moved

@@ -117,6 +117,15 @@ def test_fault_of_the_program_is_told_as_one(hysdel, monkeypatch):
     assert "mistake of the program, not of the model" in shown.err
 
 
+def test_interruption_before_a_command_runs(hysdel, monkeypatch):
+    def interrupted(_name):
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr("hysdel_py.cli.main.import_module", interrupted)
+    run = hysdel("check", "tank.hys")
+    assert (run.status, run.err) == (1, "interrupted\n")
+
+
 def test_interruption(hysdel, monkeypatch):
     def interrupted(options):
         raise KeyboardInterrupt

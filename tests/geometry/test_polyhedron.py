@@ -100,6 +100,54 @@ def test_wrong_shapes_are_named():
         Polyhedron([[1.0, 0.0]], [1.0, 2.0])
 
 
+def test_a_ray_that_vanishes_in_a_shadow_leaves_no_direction():
+    """What rounding leaves of the third coordinate's ray would point up, where the second row ends the shadow."""
+    A = [[-1.0, -3.0, -3.0], [0.0, -2.0, 0.0], [-1.0, -3.0, 0.0], [2.0, -1.0, -3.0]]
+    tall = Polyhedron(np.array(A), np.array([600002.0, 200001.0, 300000.0, 400001.0]))
+    assert tall.project([0, 1]).maximise([0.0, -1.0]).value == pytest.approx(100000.5)
+    assert tall.project([0, 1]).maximise([-1.0, -3.0]).value == pytest.approx(300000.0)
+
+
+@pytest.mark.parametrize("far", [0.0, 1e3, 1e5])
+def test_hull_of_flat_points_far_away(far):
+    """Rounding of the far coordinate is no thickness: the sides of the flat set are told too."""
+    A = np.array([[0, 0, 3], [2, -2, 3], [0, -2, 3], [-2, -3, -2], [2, 3, 2.0]])
+    flat = Polyhedron(A, np.array([0.0, 3, 0, 0, 0]) - far * A[:, 2]) & Polyhedron.box(
+        [-2, -2, -1 - far], [1, 1, 3 - far]
+    )
+    hull = Polyhedron.hull(flat.vertices)
+    assert hull.is_flat
+    assert hull.dimension == 2
+    for direction in np.vstack([np.eye(3), -np.eye(3)]):
+        value = hull.maximise(direction).value
+        assert value == pytest.approx((flat.vertices @ direction).max(), abs=1e-6)
+
+
+@pytest.mark.parametrize("size", [1e5, 1e3])
+def test_a_set_is_not_empty_for_its_large_coordinate(size):
+    """The coefficients of the large coordinate are below what solvers take for zero."""
+    sizes = np.array([size, 1e-5, 1e-3])
+    corners = np.array([[x, x**2, x**3] for x in (1.0, 2.0, 3.0, 4.0)])
+    small = Polyhedron.hull(corners)
+    p = Polyhedron(small.A / sizes, small.b).normalised()
+    assert not p.is_empty
+    assert p.ball.radius > 1e-7
+    for direction in (*np.eye(3), *-np.eye(3)):
+        assert p.maximise(direction / sizes).value == pytest.approx((corners @ direction).max(), rel=1e-5)
+
+
+def test_a_program_with_points_is_not_infeasible_for_small_coefficients():
+    """Rows of unit length have coefficients of 1e-10 for a coordinate of size 1e5: over its size they count."""
+    sizes = np.array([1e5, 1e-5, 1e3])
+    rows = np.array([[0, -3, 3], [0, 3, -1], [3, -3, -2], [3, 3, -2], [1, 0, -1], [0, 0, 0.0]])
+    plain = Polyhedron(rows, np.array([1.0, 4, 4, 1, 2, 1])) & Polyhedron.box([-1, -1, -2], [1, 1, 3])
+    lengths = np.linalg.norm(plain.A / sizes, axis=1)
+    lengths[lengths == 0] = 1.0
+    p = Polyhedron(plain.A / sizes / lengths[:, None], plain.b / lengths)
+    for direction in (*np.eye(3), *-np.eye(3)):
+        assert p.maximise(direction / sizes).value == pytest.approx(plain.maximise(direction).value, abs=1e-3)
+
+
 def test_hull_that_rows_can_not_tell_is_refused():
     # The rows of this triangle are those of its thin coordinate alone, up to 1e-10.
     corners = np.array([[-93700.0, -5.17e-6], [41300.0, -2.39e-6], [29800.0, -3.93e-6]])

@@ -126,6 +126,8 @@ def test_kinds_that_cover_most_come_first():
         ({"section": {"b": 0.5}}, "0 or 1"),
         ({"section": {"a": 0, "c": 0}}, "ask the law"),
         ({"section": {"a": 7}}, "outside the box"),
+        ({"section": {"a": "low"}}, "a number was expected"),
+        ({"section": 3}, "a mapping of names"),
     ],
 )
 def test_wrong_options_are_refused(curved, options, message):

@@ -273,6 +273,35 @@ def test_an_end_in_which_no_plan_ends_is_no_proof():
     assert (found.terminal.verdict, found.start.verdict, found.fall.verdict) == ("violated", "violated", "not settled")
 
 
+TRAPPED = """SYSTEM s { INTERFACE { STATE { REAL v [0, 30]; } INPUT { REAL u [-0.4, 0.4]; } OUTPUT { REAL seen; } }
+  IMPLEMENTATION { AUX { BOOL below, above; REAL thrown; } AD { below = v <= 1.4; above = v >= 1.9; }
+    DA { thrown = {IF below | above THEN 0 ELSE 20}; }
+    CONTINUOUS { v = v + thrown + u; } OUTPUT { seen = v; } } }"""
+"""Between 1.4 and 1.9 the state is thrown out of its limits, and no step is longer than 0.4: nobody gets below."""
+
+STEPPED = """SYSTEM s { INTERFACE { STATE { REAL v [0, 4]; } INPUT { REAL u [-0.4, 0.4]; } OUTPUT { REAL seen; } }
+  IMPLEMENTATION { CONTINUOUS { v = v + u; } OUTPUT { seen = v; } } }"""
+
+
+@pytest.mark.parametrize(
+    ("source", "limits", "law", "said"),
+    [
+        (TRAPPED, hys.Limits(x={"v": (0, 4)}), ([[0.0]], [-0.3]), "one more step is not proven"),
+        (STEPPED, hys.Limits(x={"v": (2, 4)}, soft=True), ([[-0.1]], [0.0]), "price of softened limits"),
+    ],
+)
+def test_a_loop_that_never_gets_there_is_not_proven_to(source, limits, law, said):
+    """Plans end in a trap that no plan leaves, or a softened limit is dearer than what the law at the end saves."""
+    model = hys.load(source)
+    mpc = hys.HybridMpc(model, 2, hys.Cost(y={"seen": 1.0}, terminal={"v": 10.0}), limits, gap_abs=1e-4)
+    assert hys.closed_loop(model, mpc, [3.0], 20)["v"].min() > 1.8
+    found = hys.predictive_certificate(mpc, {"v": 3.0}, target="v <= 1", last_law=law)
+    assert found.always_has_a_plan
+    assert found.fall.verdict == "not settled"
+    assert said in found.fall.message
+    assert found.steps is None
+
+
 def test_softened_plans_keep_declared_ranges_only():
     mpc = unstable_controller(None)
     assert hys.plans_never(mpc, "v >= 3.01", softened=True).verdict == "violated"

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 import hysdel_py as hys
-from hysdel_py.systems.thresholds import out_of_gaps, state_thresholds
+from hysdel_py.systems.thresholds import Threshold, out_of_gaps, state_thresholds
 
 MODEL = """SYSTEM s { INTERFACE { STATE { REAL v [-4, 4]; REAL w [-4, 4]; BOOL b; } INPUT { REAL u [-1, 1]; } }
   IMPLEMENTATION { AUX { BOOL high, low, both; REAL z; }
@@ -43,6 +43,11 @@ def test_other_states_stay_as_they_are(model):
         assert out_of_gaps(x, thresholds, 1e-6) is x
     inside = np.array([1.0 - 5e-7, 0.0, 1.0])
     assert out_of_gaps(inside, thresholds, 1e-9) is inside
+
+
+def test_moves_out_of_two_gaps_are_no_farther_than_out_of_one():
+    first, second = Threshold(0, 1.0, 1.000001), Threshold(0, 1.0000006, 1.0000016)
+    assert out_of_gaps(np.array([1.0000005]), (first, second), 1e-6).tolist() == [1.000001]
 
 
 def test_a_controller_has_a_plan_from_a_state_in_a_gap():
