@@ -66,9 +66,7 @@ class Premise:
         }  # fmt: skip
 
     def __str__(self) -> str:
-        lines = [f"  {self.name}: {self.verdict}", f"      {self.by}"]
-        if self.message:
-            lines.append(f"      {self.message}")
+        lines = [f"  {self.name}: {self.verdict}", *(f"      {text}" for text in (self.by, self.message) if text)]
         if self.state is not None:
             shown = ", ".join(f"{name} = {value:.6g}" for name, value in self.state.items())
             lines.append(f"      at {shown}")
