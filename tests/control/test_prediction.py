@@ -59,7 +59,7 @@ def test_shifted_plan_repeats_its_last_stage():
 def test_warm_start_and_heuristic_reach_the_search(systems):
     class Heater:
         mld = systems.heater()
-        dha = SimpleNamespace(d=mld.d, z=mld.z, step=lambda x, u, check: systems.heater_step(x, u))
+        dha = SimpleNamespace(x=(), d=mld.d, z=mld.z, items=(), step=lambda x, u, check: systems.heater_step(x, u))
 
     mpc = HybridMpc(Heater(), 3, Cost(y={"felt": 1}), backend="piqp")  # the kernels simulate by themselves
     seen = []
