@@ -79,8 +79,9 @@ def test_radius_is_that_of_highs(seed, n, m, size):
     rows = np.column_stack([A, np.linalg.norm(A, axis=1)])
     bounds = [(None, None)] * n + [(-1e5, 1e5)]
     wanted = linprog(-np.eye(n + 1)[n], rows, b / size, bounds=bounds, method="highs-ds")
-    assert found is not None
-    if -wanted.fun < 1e3 / max(size, 1.0):
+    if found is None:  # in doubt, which only balls without an end are; the solvers of old answer then
+        assert -wanted.fun > 1e4
+    elif -wanted.fun < 1e3 / max(size, 1.0):
         assert found[-1] == pytest.approx(-wanted.fun * size, rel=1e-6, abs=1e-8 * size)
         assert np.all(A @ found[:-1] + rows[:, -1] * found[-1] <= b + 1e-9 * max(size, 1.0))
 
