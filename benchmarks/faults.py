@@ -19,7 +19,7 @@ import numpy as np
 
 sys.path.insert(0, str(Path(__file__).parents[1] / "tests"))
 
-from faults import PWA_FAULTS, pwa_fault, random_fault
+from seeded_faults import PWA_FAULTS, pwa_fault, random_fault
 from strategies import models
 
 import hysdel_py as hys

@@ -2,7 +2,9 @@
 
 import numpy as np
 import pytest
-from faults import (
+from hypothesis import HealthCheck, given, settings
+from hypothesis import strategies as st
+from seeded_faults import (
     change_coefficient,
     change_constant,
     change_epsilon,
@@ -12,8 +14,6 @@ from faults import (
     random_fault,
     shift_row,
 )
-from hypothesis import HealthCheck, given, settings
-from hypothesis import strategies as st
 from strategies import models
 
 import hysdel_py as hys

@@ -2,7 +2,9 @@
 
 import numpy as np
 import pytest
-from faults import (
+from hypothesis import HealthCheck, given, settings
+from hypothesis import strategies as st
+from seeded_faults import (
     PWA_FAULTS,
     change_map,
     change_region_row,
@@ -12,8 +14,6 @@ from faults import (
     swap_words,
     with_mode,
 )
-from hypothesis import HealthCheck, given, settings
-from hypothesis import strategies as st
 from strategies import models
 
 import hysdel_py as hys
