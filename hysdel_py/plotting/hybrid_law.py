@@ -15,8 +15,8 @@ from hysdel_py.control.hybrid_law import HybridLaw
 from hysdel_py.control.hybrid_overlaps import joined
 from hysdel_py.control.hybrid_sequences import TIE
 from hysdel_py.errors import ArgumentError
-from hysdel_py.plotting.law import Shown, draw, name_kinds, new_partition
-from hysdel_py.plotting.law_pieces import colour_of, kinds_of, law_text, ranked
+from hysdel_py.plotting.law import Shown, check_words, draw, name_kinds, new_partition
+from hysdel_py.plotting.law_pieces import colour_of, kinds_of, law_text, ranked, values_of
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -29,7 +29,6 @@ Numbers = NDArray[np.int64]
 NONE = -1
 """No region holds the point."""
 
-_WORDS = ("partition", "move", "value")
 _ALONG = 4001
 """Points along the axis of a law over one parameter."""
 
@@ -90,7 +89,7 @@ def best_regions(law: ExplicitLaw, points: Array) -> Numbers:
     for region in range(law.count):
         A, b = law.rows(region)
         inside = np.flatnonzero((points @ A.T <= b + law.tolerance).all(axis=1))
-        values = _values(law, region, points[inside])
+        values = values_of(law, region, points[inside])
         known = np.where(np.isfinite(least[inside]), least[inside], 0.0)
         better = (best[inside] == NONE) | (values < known - TIE * np.maximum(1.0, np.abs(known)))
         best[inside[better]] = region
@@ -98,17 +97,9 @@ def best_regions(law: ExplicitLaw, points: Array) -> Numbers:
     return best
 
 
-def _values(law: ExplicitLaw, region: int, points: Array) -> Array:
-    quadratic = 0.5 * np.einsum("ni,ij,nj->n", points, law.P[region], points)
-    return np.asarray(quadratic + points @ law.q[region] + law.r[region])
-
-
 def _checked(law: HybridLaw, what: str, by: str, move: str | int, points: int) -> int:
     """The number of the input to be shown."""
-    if what not in _WORDS:
-        raise ArgumentError(f"what is {what!r}: one of {', '.join(_WORDS)} was expected")
-    if by not in ("law", "region"):
-        raise ArgumentError(f"by is {by!r}: law or region was expected")
+    check_words(what, by)
     if not (isinstance(points, int) and points >= 2):
         raise ArgumentError(f"points is {points!r}: a number of at least 2 was expected")
     names = [variable.name for variable in law.u]
@@ -233,7 +224,7 @@ def _map(cut: ExplicitLaw, best: Numbers, what: str, move: int, shown: Shown) ->
     for region in np.unique(best[best != NONE]).tolist():
         held = np.flatnonzero(best.ravel() == region)
         affine = grid[held] @ cut.K[region, move] + cut.k[region, move]
-        heights[held] = affine if what == "move" else _values(cut, region, grid[held])
+        heights[held] = affine if what == "move" else values_of(cut, region, grid[held])
     image = axes.imshow(heights.reshape(best.shape), extent=_extent(cut), origin="lower", aspect="auto",
                         cmap="cividis", interpolation="nearest")  # fmt: skip
     figure.colorbar(image, ax=axes, label=shown.moves[move] if what == "move" else "value")

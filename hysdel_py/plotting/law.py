@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-__all__ = ["Shown", "draw", "name_kinds", "new_partition", "plot_law"]
+__all__ = ["Shown", "check_words", "draw", "name_kinds", "new_partition", "plot_law"]
 
 Array = NDArray[np.float64]
 
@@ -113,11 +113,16 @@ class Shown:
     moves: tuple[str, ...] = ()
 
 
-def _check(law: ExplicitLaw, what: str, by: str, move: int) -> None:
+def check_words(what: str, by: str) -> None:
+    """Refuse words that name no picture or no colouring."""
     if what not in _WORDS:
         raise ArgumentError(f"what is {what!r}: one of {', '.join(_WORDS)} was expected")
     if by not in ("law", "region"):
         raise ArgumentError(f"by is {by!r}: law or region was expected")
+
+
+def _check(law: ExplicitLaw, what: str, by: str, move: int) -> None:
+    check_words(what, by)
     if not 0 <= move < law.moves:
         raise ArgumentError(f"move is {move}: a number from 0 to {law.moves - 1} was expected")
     if what == "value" and not law.has_value:

@@ -13,7 +13,7 @@ from hysdel_py.control.explicit_tree import same_moves
 from hysdel_py.plotting.modes import clip
 from hysdel_py.plotting.style import COLOURS
 
-__all__ = ["Piece", "area_of", "colour_of", "kinds_of", "law_text", "pieces_of", "ranked"]
+__all__ = ["Piece", "area_of", "colour_of", "kinds_of", "law_text", "pieces_of", "ranked", "values_of"]
 
 Array = NDArray[np.float64]
 
@@ -102,6 +102,12 @@ def _polygon(law: ExplicitLaw, region: int) -> Array:
     for row, side in zip(*law.rows(region), strict=True):
         corners = clip(corners, row, float(side))
     return corners
+
+
+def values_of(law: ExplicitLaw, region: int, points: Array) -> Array:
+    """Value of a region at points, the last axis of which is that of the parameters."""
+    quadratic = np.einsum("...i,ij,...j->...", points, law.P[region], points)
+    return np.asarray(0.5 * quadratic + points @ law.q[region] + law.r[region])
 
 
 def law_text(law: ExplicitLaw, region: int) -> str:

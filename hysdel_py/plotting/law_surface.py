@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hysdel_py.control.explicit_law import ExplicitLaw
-from hysdel_py.plotting.law_pieces import Piece, pieces_of
+from hysdel_py.plotting.law_pieces import Piece, pieces_of, values_of
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -80,20 +80,15 @@ def _draw_value(axes: Any, law: ExplicitLaw, pieces: list[Piece]) -> Array:
     triangles, borders = [], []
     for piece in pieces:
         flat = _triangles(piece.corners)
-        triangles.append(np.concatenate([flat, _value(law, piece.region, flat)[..., None]], axis=-1))
+        triangles.append(np.concatenate([flat, values_of(law, piece.region, flat)[..., None]], axis=-1))
         edge = _finer(np.vstack([piece.corners, piece.corners[:1]]))
-        borders.append(np.column_stack([edge, _value(law, piece.region, edge)]))
+        borders.append(np.column_stack([edge, values_of(law, piece.region, edge)]))
     faces = np.concatenate(triangles)
     low, high = _limits(faces[..., 2])
     colours = colormaps[_MAP]((faces[..., 2].mean(axis=1) - low) / (high - low))
     axes.add_collection3d(Poly3DCollection(faces, facecolors=colours, edgecolors=colours, linewidths=0.2))
     axes.add_collection3d(Line3DCollection(borders, colors="white", linewidths=0.5))
     return np.asarray(faces[..., 2])
-
-
-def _value(law: ExplicitLaw, region: int, points: Array) -> Array:
-    quadratic = np.einsum("...i,ij,...j->...", points, law.P[region], points)
-    return np.asarray(0.5 * quadratic + points @ law.q[region] + law.r[region])
 
 
 def _triangles(corners: Array) -> Array:
