@@ -21,6 +21,7 @@ from hysdel_py.analysis.start_cover import Cover, at_thresholds, cover_of
 from hysdel_py.analysis.terminal_step import kept_by_a_step
 from hysdel_py.control.hybrid_mpc import HybridMpc
 from hysdel_py.control.plan_programs import PlanPrograms
+from hysdel_py.control.ranges import onto_range
 from hysdel_py.control.references import Reference
 from hysdel_py.errors import ArgumentError, HysdelError
 from hysdel_py.reports.condition import condition_of
@@ -231,6 +232,7 @@ def _by_sets(question: PlanQuestion, name: str, clock: Clock) -> Premise:
 
 def _refuted(programs: PlanPrograms, dha: Dha, box: tuple[Vector, Vector], clock: Clock) -> Vector | None:
     """A state to which plans lead from a corner of the first states and which has no plan."""
+    thresholds, most = state_thresholds(dha), programs.tolerances.measured
     for corner in product(*(sorted({a, b}) for a, b in zip(*box, strict=True))):
         x: Vector = np.array(corner)
         for k in range(TRIED_STEPS if clock.left else 0):
@@ -241,15 +243,9 @@ def _refuted(programs: PlanPrograms, dha: Dha, box: tuple[Vector, Vector], clock
                 break
             if u is None:
                 return x if k else None
-            x = _as_measured(after, dha, programs.tolerances.measured)
+            near, _ = onto_range(after, dha.x, most)  # as the controller moves what it measures
+            x = out_of_gaps(near, thresholds, most)
     return None
-
-
-def _as_measured(x: Vector, dha: Dha, most: float) -> Vector:
-    """What rounding left beside a range or in the gap of a threshold, moved as the controller moves it."""
-    low, high = (np.array([getattr(v, end) for v in dha.x]) for end in ("low", "high"))
-    near = np.where(np.abs(np.clip(x, low, high) - x) <= most, np.clip(x, low, high), x)
-    return out_of_gaps(near, state_thresholds(dha), most)
 
 
 # ---- first states ----------------------------------------------------------------------------------------------------
