@@ -60,10 +60,7 @@ class Polyhedron:
         A, b = np.array(self.A, dtype=float, order="C"), np.array(self.b, dtype=float)
         if A.ndim != 2 or b.shape != (A.shape[0],):
             raise ArgumentError(f"A has shape {A.shape} and b {b.shape}: (m, n) and (m,) were expected")
-        # A sum is finite only if its terms are: one look at most arrays instead of one at each entry.
-        if not isfinite(np.add.reduce(A, None) + np.add.reduce(b)) and not (
-            np.isfinite(A).all() and not np.isnan(b).any()
-        ):
+        if not _are_finite(A, b) and not (_are_finite(A) and not np.isnan(b).any()):
             raise ArgumentError("A and b must be numbers, and A finite")
         for name, array in (("A", A), ("b", b)):
             array.setflags(write=False)
@@ -98,9 +95,7 @@ class Polyhedron:
             raise ArgumentError("a convex hull needs at least one point; for an empty set use Polyhedron.empty(n)")
         n = corners.shape[1]
         ways, axes = (np.array(part, dtype=float).reshape(-1, n) for part in (rays, lines))
-        if not isfinite(sum(np.add.reduce(part, None) for part in (corners, ways, axes))) and not all(
-            np.isfinite(part).all() for part in (corners, ways, axes)
-        ):
+        if not _are_finite(corners, ways, axes):
             raise ArgumentError("points, rays and lines must be finite numbers")
         return cls(*hull_rows(corners, ways, axes, precision), precision)
 
@@ -356,6 +351,11 @@ class Polyhedron:
         if not 0 <= i < self.n:
             raise ArgumentError(f"coordinate {i} does not exist: they are numbered from 0 to {self.n - 1}")
         return int(i)
+
+
+def _are_finite(*arrays: Matrix) -> bool:
+    """Whether all entries are finite: one look at their sum, which is so only if they are, spares one at each."""
+    return isfinite(sum(np.add.reduce(a, None) for a in arrays)) or all(np.isfinite(a).all() for a in arrays)
 
 
 def _shadow_of_ways(ways: Matrix) -> Matrix | None:
