@@ -13,7 +13,7 @@ from functools import cache
 from pathlib import Path
 from typing import Any, TypeVar
 
-__all__ = ["compiled", "either", "is_on_disk", "kernels_are_compiled", "leaf", "reordered"]
+__all__ = ["cached", "compiled", "either", "is_on_disk", "kernels_are_compiled", "leaf", "reordered"]
 
 F = TypeVar("F", bound=Callable[..., Any])
 
@@ -51,11 +51,12 @@ def _kernel() -> Callable[..., Any]:
     try:
         from hysdel_py.compiled.deferred import Kernel
     except ImportError:
-        return _cached
+        return cached
     return Kernel
 
 
-def _cached(function: F, **options: Any) -> F:
+def cached(function: F, **options: Any) -> F:
+    """What ``numba.njit`` makes of a function, kept on disk where there is a place."""
     import numba
 
     try:

@@ -17,7 +17,6 @@ from contextlib import contextmanager
 from functools import cached_property
 from typing import Any
 
-from numba import njit
 from numba.core.codegen import JITCodeLibrary
 from numba.core.compiler import Compiler, _LowerResult
 from numba.core.compiler_machinery import register_pass
@@ -25,6 +24,8 @@ from numba.core.environment import lookup_environment
 from numba.core.registry import CPUDispatcher
 from numba.core.typed_passes import NativeLowering
 from numba.core.types import unliteral
+
+from hysdel_py.compiled.decorators import cached
 
 __all__ = ["Kernel"]
 
@@ -146,11 +147,7 @@ class Kernel(CPUDispatcher):
     @cached_property
     def entry(self) -> Any:
         """The kernel for calls from Python, kept on disk where there is a place."""
-        options = {"pipeline_class": _Entry, **self._options}
-        try:
-            return njit(cache=True, **options)(self.py_func)
-        except RuntimeError:
-            return njit(**options)(self.py_func)
+        return cached(self.py_func, pipeline_class=_Entry, **self._options)
 
     def __call__(self, *arguments: Any) -> Any:
         """Run the machine code."""

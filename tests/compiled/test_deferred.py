@@ -91,7 +91,7 @@ def test_a_kernel_is_pickled_by_its_name():
 
 @needs_numba
 def test_numba_alone_will_do(monkeypatch):
-    monkeypatch.setattr(module, "_kernel", lambda: module._cached)
+    monkeypatch.setattr(module, "_kernel", lambda: module.cached)
 
     @compiled
     def three():
