@@ -1,7 +1,8 @@
 """How long the tutorial takes on a fresh machine: a new environment, the plain installation, each step of the page.
 
-    python benchmarks/tutorial.py                              as on the page
-    python benchmarks/tutorial.py --extra plot,fast --demo     the first command of README.md, then the page
+    python benchmarks/tutorial.py                               as on the page
+    python benchmarks/tutorial.py --demos 1                     the first command of README.md, then the page
+    python benchmarks/tutorial.py --demos 2 --extra plot,fast   the same with kernels that are compiled on the way
 
 Wall seconds include what other programs of the machine take; seconds of CPU are those of the commands alone. `ours` is
 all but making the environment and installing. Pip's downloads count in the wall time.
@@ -82,7 +83,7 @@ def summary(title: str, steps: list[Step]) -> None:
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--extra", default="plot", help="extras that are installed (default: plot)")
-    parser.add_argument("--demo", action="store_true", help="run `hysdel demo clutch` before the page, twice")
+    parser.add_argument("--demos", type=int, default=0, help="so many times `hysdel demo clutch` before the page")
     options = parser.parse_args()
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
@@ -90,7 +91,7 @@ def main() -> None:
         os.environ.pop("PYTHONPATH", None)
         print("  wall s    cpu s  step")
         installed = installation(folder, options.extra)
-        demos = [timed(DEMO, DEMO.split(), folder) for _ in range(2 if options.demo else 0)]
+        demos = [timed(DEMO, DEMO.split(), folder) for _ in range(options.demos)]
         ours = [*demos, *page(folder)]
         summary("installation", installed)
         summary("ours", ours)

@@ -87,7 +87,7 @@ def _program(command: str) -> list[str]:
     words = shlex.split(command)
     match words:
         case ["hysdel", *rest]:
-            return [sys.executable, "-m", "hysdel_py.cli", *rest]
+            return [sys.executable, "-m", "hysdel_py", *rest]
         case ["python", *rest]:
             return [sys.executable, *rest]
     return ["bash", "-c", command]

@@ -12,7 +12,7 @@ function(hysdel_library target)
   set(header "${CMAKE_CURRENT_BINARY_DIR}/${target}.h")
   add_custom_command(
     OUTPUT "${source}" "${header}"
-    COMMAND "${Python3_EXECUTABLE}" -m hysdel_py.cli ${ARGN} "${source}"
+    COMMAND "${Python3_EXECUTABLE}" -m hysdel_py ${ARGN} "${source}"
     DEPENDS ${HYSDEL_MODEL}
     WORKING_DIRECTORY "${CMAKE_CURRENT_SOURCE_DIR}"
     COMMENT "hysdel writes ${target}.c"

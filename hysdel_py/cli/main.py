@@ -8,12 +8,13 @@ import sys
 from collections.abc import Sequence
 from contextlib import suppress
 from importlib import import_module
+from time import perf_counter
 
 from hysdel_py.cli import drop_in
 from hysdel_py.cli.arguments import join_negative_values
 from hysdel_py.cli.colour import painted
 from hysdel_py.cli.output import print_json
-from hysdel_py.cli.progress import clear_progress, is_terminal, tell_of_compiling
+from hysdel_py.cli.progress import clear_progress, is_terminal, tell_of_compiling, tell_of_plain_kernels
 from hysdel_py.cli.versions import all_versions
 from hysdel_py.errors import ArgumentError, CompileError, HysdelError
 from hysdel_py.version import __version__
@@ -148,11 +149,13 @@ def _run_drop_in(arguments: Sequence[str]) -> int:
 
 def _guarded(options: argparse.Namespace) -> int:
     """Run a command; every error becomes a message and an exit status."""
-    status = MISTAKE
+    status, begin, compiles = MISTAKE, perf_counter(), getattr(options, "compiles", False)
     try:
-        if getattr(options, "compiles", False):
+        if compiles:
             tell_of_compiling()
         status = options.run(options)
+        if compiles:
+            tell_of_plain_kernels(perf_counter() - begin)
     except BrokenPipeError:
         raise
     except CompileError as error:

@@ -6,14 +6,17 @@ import os
 import sys
 import time
 from collections.abc import Callable
+from importlib.util import find_spec
 from math import inf
 
-__all__ = ["Progress", "clear_progress", "counter", "progress_line", "tell_of_compiling"]
+__all__ = ["Progress", "clear_progress", "counter", "progress_line", "tell_of_compiling", "tell_of_plain_kernels"]
 
 _CLEAR = "\x1b[K"  # what a terminal takes as: empty the line from here on
 _CELLS = 24
 _LEAST_SECONDS = 0.1
 """Between two lines; a terminal shows no more, and writing takes time."""
+_LONG = 5.0
+"""Seconds from which on compiled kernels would be missed."""
 
 
 class Progress:
@@ -100,6 +103,14 @@ def tell_of_compiling() -> None:
 
     if must_compile():
         print("compiling the solvers: half a minute or more, once for this installation", file=sys.stderr, flush=True)
+
+
+def tell_of_plain_kernels(seconds: float) -> None:
+    """Say what would make a command faster that took long in plain Python, where somebody watches."""
+    if seconds < _LONG or not is_terminal() or find_spec("numba"):
+        return
+    tip = "the extra `fast` (python -m pip install numba) compiles the solvers once and is faster from then on"
+    print(f"tip: {tip}", file=sys.stderr, flush=True)
 
 
 def clear_progress(progress: object) -> None:

@@ -15,7 +15,7 @@ ROOT = Path(__file__).parents[2]
 SECONDS = 300
 START = """import runpy, signal
 signal.signal(signal.SIGINT, signal.default_int_handler)  # ignored in what a shell runs in the background
-runpy.run_module("hysdel_py.cli", run_name="__main__", alter_sys=True)"""
+runpy.run_module("hysdel_py", run_name="__main__", alter_sys=True)"""
 
 
 @dataclass(frozen=True)

@@ -114,7 +114,7 @@ def test_own_commands_are_not_taken_for_the_original(hysdel):
 
 def test_standard_input_of_a_process(tmp_path):
     text = b"/* gr\xfc\xdfe */ " + OPEN.replace("REAL a;", "REAL a = 0.5;").encode()
-    command = [sys.executable, "-m", "hysdel_py.cli", "-5"]
+    command = [sys.executable, "-m", "hysdel_py", "-5"]
     done = subprocess.run(command, input=text, capture_output=True, check=False)
     assert (done.returncode, done.stderr) == (0, b"")
     assert read_matlab(done.stdout.decode())["A"] == 0.5

@@ -160,7 +160,7 @@ def run_python(*arguments, **options):
     return subprocess.run([sys.executable, *arguments], capture_output=True, text=True, check=False, **options)
 
 
-@pytest.mark.parametrize("module", ["hysdel_py.cli", "hysdel_py.cli.main"])
+@pytest.mark.parametrize("module", ["hysdel_py", "hysdel_py.cli.main"])
 def test_as_a_module(module):
     shown = run_python("-m", module, "check", "clutch")
     assert (shown.returncode, shown.stderr) == (0, "")
@@ -168,8 +168,8 @@ def test_as_a_module(module):
 
 
 def test_exit_status_reaches_the_shell(tmp_path):
-    assert run_python("-m", "hysdel_py.cli", "check", "nothing.hys", cwd=tmp_path).returncode == 1
-    assert run_python("-m", "hysdel_py.cli", "mpc", "clutch", cwd=tmp_path).returncode == 2
+    assert run_python("-m", "hysdel_py", "check", "nothing.hys", cwd=tmp_path).returncode == 1
+    assert run_python("-m", "hysdel_py", "mpc", "clutch", cwd=tmp_path).returncode == 2
 
 
 @pytest.mark.parametrize("arguments", [["compile", "clutch"], ["--help"]])
@@ -178,7 +178,7 @@ def test_reader_that_goes_away_is_no_fault(arguments):
     os.close(reading)
     try:
         shown = subprocess.run(
-            [sys.executable, "-m", "hysdel_py.cli", *arguments],
+            [sys.executable, "-m", "hysdel_py", *arguments],
             stdout=writing, stderr=subprocess.PIPE, text=True, check=False,
         )  # fmt: skip
     finally:

@@ -1,5 +1,6 @@
 """Manners on a terminal: progress, Ctrl-C, colours; and silence where there is none."""
 
+import argparse
 import csv
 import signal
 import sys
@@ -8,7 +9,7 @@ import pytest
 
 from hysdel_py.cli.colour import painted
 from hysdel_py.cli.interrupt import first_interrupt
-from hysdel_py.cli.main import main
+from hysdel_py.cli.main import _guarded, main
 from hysdel_py.cli.progress import bar, is_terminal, progress_line, spoken
 
 pytest.importorskip("pty", reason="there are no pseudo-terminals on this system")
@@ -139,6 +140,18 @@ def test_who_waits_for_the_compiler_is_told(monkeypatch, capsys, compile_first, 
     monkeypatch.setattr("hysdel_py.cli.progress.is_terminal", lambda: True)
     main([command, "no_such_model"])
     assert ("compiling the solvers" in capsys.readouterr().err) is said
+
+
+@pytest.mark.parametrize(
+    ("seconds", "numba", "said"), [(20.0, None, True), (20.0, "there", False), (0.5, None, False)]
+)
+def test_who_waited_for_plain_python_is_told_of_the_compiler(monkeypatch, capsys, seconds, numba, said):
+    monkeypatch.setattr("hysdel_py.cli.progress.find_spec", lambda name: numba)
+    monkeypatch.setattr("hysdel_py.cli.progress.is_terminal", lambda: True)
+    clock = iter([100.0, 100.0 + seconds])
+    monkeypatch.setattr("hysdel_py.cli.main.perf_counter", lambda: next(clock))
+    assert _guarded(argparse.Namespace(run=lambda options: 0, compiles=True)) == 0
+    assert ("the extra `fast`" in capsys.readouterr().err) is said
 
 
 def test_the_first_interrupt_is_noted_and_the_second_obeyed():

@@ -24,7 +24,7 @@ def answer(command, below, folder, status):
     if words[0] == "echo":
         return f"{status}\n", 0
     done = subprocess.run(
-        [sys.executable, "-m", "hysdel_py.cli", *words[1:]], cwd=folder, capture_output=True, text=True, check=False
+        [sys.executable, "-m", "hysdel_py", *words[1:]], cwd=folder, capture_output=True, text=True, check=False
     )
     return done.stdout + done.stderr, done.returncode
 

@@ -19,7 +19,7 @@ class Client:
 
     def __init__(self):
         self.process = subprocess.Popen(
-            [sys.executable, "-m", "hysdel_py.cli", "lsp"],
+            [sys.executable, "-m", "hysdel_py", "lsp"],
             stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=subprocess.DEVNULL,
         )  # fmt: skip
         self.number = 0

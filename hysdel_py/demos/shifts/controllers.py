@@ -197,8 +197,6 @@ class PartController:
         move = self._late_move(seen, t, grip) if late else self._move(seen, t, grip, off=off)
         if move.u is None and not late and self._still_brakes(seen):
             move, off = self._late_move(seen, t, grip), True
-        if move.u is None and self.part == 2:
-            move = self._hard_landing(seen, t, grip, off=off)
         self.margins.remember(move)
         if move.u is None:
             return move
@@ -209,16 +207,9 @@ class PartController:
             rates[2] = FASTEST["Fnc_rate"][0]
         return replace(move, u=rates)
 
-    def _hard_landing(self, seen: Vector, t: Vector, grip: Vector, *, off: bool) -> Move:
-        """A plan in which the relative speed may fall faster than lock-up allows."""
-        move = self._move(seen, t, grip, off=off, lands=False)
-        return move if move.u is None else replace(move, status=MoveStatus.FALLBACK, fallback="hard landing")
-
-    def _move(self, seen: Vector, t: Vector, grip: Vector, *, off: bool, lands: bool = True) -> Move:
+    def _move(self, seen: Vector, t: Vector, grip: Vector, *, off: bool) -> Move:
         begin = seen * [1.0, 0.0 if off else 1.0, 1.0, 1.0, 1.0, 1.0, 1.0]
         limits = self._limits(begin, t, grip)
-        if not lands:
-            limits = replace(limits, y={})
         move: Move = self.mpc.solve(begin, self._references(seen, t, grip), limits=limits)
         if self.modes is not None:
             self.modes.remember(move)
