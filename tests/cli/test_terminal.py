@@ -142,9 +142,7 @@ def test_who_waits_for_the_compiler_is_told(monkeypatch, capsys, compile_first, 
     assert ("compiling the solvers" in capsys.readouterr().err) is said
 
 
-@pytest.mark.parametrize(
-    ("seconds", "numba", "said"), [(20.0, None, True), (20.0, "there", False), (0.5, None, False)]
-)
+@pytest.mark.parametrize(("seconds", "numba", "said"), [(20.0, None, True), (20.0, "there", False), (0.5, None, False)])
 def test_who_waited_for_plain_python_is_told_of_the_compiler(monkeypatch, capsys, seconds, numba, said):
     monkeypatch.setattr("hysdel_py.cli.progress.find_spec", lambda name: numba)
     monkeypatch.setattr("hysdel_py.cli.progress.is_terminal", lambda: True)
