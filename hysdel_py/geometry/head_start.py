@@ -18,8 +18,8 @@ from hysdel_py.compiled import kernels_are_compiled, kernels_wait
 
 __all__ = ["HeadStart", "loops_are_fast", "programs"]
 
-_ENTRIES = 20_000
-"""Plain Python takes about 8 microseconds for each entry of a small program: a quarter of the time that it saves."""
+_ENTRIES = 10_000
+"""Plain Python takes 8 to 30 microseconds for each: where numba is loaded in the end, half of that time is lost at most."""
 
 
 class HeadStart:
