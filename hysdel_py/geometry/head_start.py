@@ -19,7 +19,7 @@ from hysdel_py.compiled import kernels_are_compiled, kernels_wait
 __all__ = ["HeadStart", "loops_are_fast", "programs"]
 
 _ENTRIES = 10_000
-"""Plain Python takes 8 to 30 microseconds for each: where numba is loaded in the end, half of that time is lost at most."""
+"""Plain Python takes 8 to 30 microseconds for each: where numba is loaded in the end, at most half as much is lost."""
 
 
 class HeadStart:
