@@ -46,9 +46,7 @@ def test_all_versions_are_told_without_loading_the_packages():
     assert not loaded("--version", "--verbose") & (ARRAYS | SOLVERS | LANGUAGE)
 
 
-@pytest.mark.skipif(
-    not kernels_are_compiled(), reason="a solver is asked where plain loops have no compiled ones behind"
-)
+@pytest.mark.skipif(not kernels_are_compiled(), reason="solvers answer in place of plain loops")
 @pytest.mark.parametrize(
     "arguments",
     [
