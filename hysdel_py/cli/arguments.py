@@ -12,39 +12,19 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from hysdel_py.errors import ArgumentError, HysdelError
+from hysdel_py.errors import ArgumentError
 from hysdel_py.model import Model, load
 from hysdel_py.shipped import shipped_models
 from hysdel_py.systems.signals import Variable, as_vector
 
 __all__ = [
-    "DataError", "add_model", "add_output", "add_parameters", "add_start", "assignments", "example_values",
-    "given_vector", "join_negative_values", "load_model", "matrix", "number", "parameter_values", "parts", "span",
+    "add_model", "add_output", "add_parameters", "add_start", "assignments", "example_values",
+    "given_vector", "load_model", "matrix", "number", "parameter_values", "parts", "span",
 ]  # fmt: skip
 
 _TRUTH = {"true": 1.0, "false": 0.0}
-_OPTION = re.compile(r"--[a-z][a-z0-9-]*")
 _COMMA = re.compile(r",(?![^()]*\))(?![^\[\]]*\])")
 """A comma that stands neither between parentheses, as in ``W(2,1)``, nor between brackets, as in ``[1,2]``."""
-_NEGATIVE = re.compile(r"-(\.?\d|inf|nan)", re.IGNORECASE)
-
-
-class DataError(HysdelError):
-    """What the command line names exists but cannot be used: a file with a mistake, a package that is missing."""
-
-
-def join_negative_values(arguments: Sequence[str]) -> list[str]:
-    """Join an option and the negative number behind it: ``--x0 -1,2`` becomes ``--x0=-1,2``.
-
-    The standard parser takes whatever begins with a minus for an option.
-    """
-    joined: list[str] = []
-    for text in arguments:
-        if joined and _OPTION.fullmatch(joined[-1]) and _NEGATIVE.match(text):
-            joined[-1] += f"={text}"
-        else:
-            joined.append(text)
-    return joined
 
 
 def add_model(parser: argparse.ArgumentParser) -> None:

@@ -34,7 +34,6 @@ def add_parser(commands: argparse._SubParsersAction[argparse.ArgumentParser]) ->
     """Add the command."""
     parser = commands.add_parser(
         "audit",
-        help="say which declared ranges make a model loose",
         description="Show the big-M constants of a model, how tight they are, and which ranges they come from.",
         epilog=_EPILOG,
         formatter_class=argparse.RawDescriptionHelpFormatter,

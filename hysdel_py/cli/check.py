@@ -7,13 +7,12 @@ import sys
 from collections.abc import Iterable
 from dataclasses import dataclass, replace
 from math import inf
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
-from hysdel_py.analysis.well_posed import WellPosedness, well_posed
 from hysdel_py.cli.arguments import add_parameters, load_model
 from hysdel_py.cli.colour import painted
 from hysdel_py.cli.output import print_json
-from hysdel_py.cli.verify import seconds_of
+from hysdel_py.cli.proofs import seconds_of
 from hysdel_py.cli.watch import watched
 from hysdel_py.diagnostics.codes import Code
 from hysdel_py.diagnostics.diagnostic import Diagnostic, Severity
@@ -26,6 +25,9 @@ from hysdel_py.semantics.parameters import missing_parameters
 from hysdel_py.shipped import shipped_models
 from hysdel_py.syntax.source import Source
 from hysdel_py.version import __version__
+
+if TYPE_CHECKING:
+    from hysdel_py.analysis.well_posed import WellPosedness
 
 __all__ = ["add_parser"]
 
@@ -47,7 +49,6 @@ def add_parser(commands: argparse._SubParsersAction[argparse.ArgumentParser]) ->
     """Add the command."""
     parser = commands.add_parser(
         "check",
-        help="find mistakes in a model",
         description="Check models and say what is wrong, where, and what to do about it.",
         epilog=_EPILOG,
         formatter_class=argparse.RawDescriptionHelpFormatter,
@@ -120,6 +121,8 @@ def _check(file: str, options: argparse.Namespace) -> _Report:
 
 
 def _deep(model: Model, options: argparse.Namespace) -> WellPosedness:
+    from hysdel_py.analysis.well_posed import well_posed  # the check alone needs none of the analyses
+
     with watched(options.format == "text", f"{model.name}: search {{}}") as progress:
         return well_posed(model, seconds=seconds_of(options), progress=progress)
 

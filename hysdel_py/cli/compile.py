@@ -39,7 +39,6 @@ def add_parser(commands: argparse._SubParsersAction[argparse.ArgumentParser]) ->
     """Add the command."""
     parser = commands.add_parser(
         "compile",
-        help="translate a model to its mixed logical dynamical form",
         description="Translate a model to matrices:\n"
         "  x+ = A x + B1 u + B2 d + B3 z + B5,   y = C x + D1 u + D2 d + D3 z + D5,\n"
         "  E2 d + E3 z <= E1 u + E4 x + E5",

@@ -38,7 +38,6 @@ def add_parser(commands: argparse._SubParsersAction[argparse.ArgumentParser]) ->
     """Add the command."""
     parser = commands.add_parser(
         "demo",
-        help="run a ready-made application",
         description="Run a ready-made application, print its figures, and write a picture and a table.\n"
         f"  {'clutch':<21}engage a dry clutch by hybrid model predictive control\n"
         f"  {'dp':<21}engage a dry clutch by numerical dynamic programming\n"

@@ -8,7 +8,7 @@ from hysdel_py.analysis.diff import diff
 from hysdel_py.analysis.report import VerifyStatus
 from hysdel_py.cli.arguments import add_output, add_parameters, load_model
 from hysdel_py.cli.output import print_json
-from hysdel_py.cli.verify import NOT_SETTLED, add_margins, margins_of, seconds_of
+from hysdel_py.cli.proofs import NOT_SETTLED, add_margins, margins_of, seconds_of
 from hysdel_py.cli.watch import watched
 from hysdel_py.model import Model
 
@@ -28,7 +28,6 @@ def add_parser(commands: argparse._SubParsersAction[argparse.ArgumentParser]) ->
     """Add the command."""
     parser = commands.add_parser(
         "diff",
-        help="find where two models differ",
         description="Find a state and input at which two models differ in the next state, an output or what MUST\n"
         "allows, or show that there is none.",
         epilog=_EPILOG,

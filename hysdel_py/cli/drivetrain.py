@@ -5,7 +5,7 @@ from __future__ import annotations
 import argparse
 from pathlib import Path
 
-from hysdel_py.cli.arguments import DataError
+from hysdel_py.cli.data_error import DataError
 from hysdel_py.cli.output import print_json
 from hysdel_py.cli.progress import clear_progress, progress_line
 from hysdel_py.drivetrain.comparison import Comparison, Pair, Row, compare
@@ -37,7 +37,6 @@ def add_parser(commands: argparse._SubParsersAction[argparse.ArgumentParser]) ->
     """Add the command."""
     parser = commands.add_parser(
         "drivetrain",
-        help="compare simulation methods for dry friction",
         description="Simulate one drivetrain with two dry clutches by every method, and compare errors and times.",
         epilog=_EPILOG,
         formatter_class=argparse.RawDescriptionHelpFormatter,

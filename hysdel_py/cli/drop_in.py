@@ -1,7 +1,6 @@
 """The command line of the original compiler: ``hysdel -i in.hys -m out -5``.
 
-It is taken for meant where the first argument is one of the original's options. Exit status 0, or 1 for every mistake;
-the original's users look at nothing else.
+Exit status 0, or 1 for every mistake; the original's users look at nothing else.
 """
 
 from __future__ import annotations
@@ -13,6 +12,7 @@ from io import TextIOWrapper
 from pathlib import Path
 
 from hysdel_py import compiler
+from hysdel_py.cli.drop_in_words import FLAGS, WITH_VALUE, joined_verbosity
 from hysdel_py.diagnostics.codes import Code
 from hysdel_py.diagnostics.diagnostic import Diagnostic, Severity
 from hysdel_py.diagnostics.render import render
@@ -23,18 +23,7 @@ from hysdel_py.export.simulator_matlab import function_name, simulator_text
 from hysdel_py.lowering.constants import Constants
 from hysdel_py.semantics.typed_model import TypedModel
 
-__all__ = ["DropInOptions", "is_drop_in", "read_options", "run"]
-
-_WITH_VALUE = {"-i": "source", "-m": "matlab", "-s": "simulator", "-v": "verbosity"}
-_FLAGS = {
-    "-a": "aux",
-    "-5": "affine",
-    "-p": "every_parameter",
-    "--no-symbol-table": "no_symbol_table",
-    "--no-row-info": "no_row_info",
-    "--no-params-checks": "no_parameter_checks",
-    "--matlab-symbolic": "maple",
-}
+__all__ = ["DropInOptions", "read_options", "run"]
 
 
 @dataclass(frozen=True, slots=True)
@@ -64,16 +53,6 @@ class DropInOptions:
         return MatlabOptions(not self.no_symbol_table, not self.no_row_info, not self.no_parameter_checks, self.maple)
 
 
-def is_drop_in(arguments: Sequence[str]) -> bool:
-    """Whether the first argument is an option of the original compiler."""
-    first = arguments[0] if arguments else ""
-    return first in _FLAGS or first in _WITH_VALUE or _joined_verbosity(first)
-
-
-def _joined_verbosity(text: str) -> bool:
-    return text.startswith("-v") and text[2:].isdigit()
-
-
 def read_options(arguments: Sequence[str]) -> DropInOptions:
     """Options of a command line; words that belong to none are ignored, as the original does.
 
@@ -86,18 +65,18 @@ def read_options(arguments: Sequence[str]) -> DropInOptions:
     pending = list(arguments)
     while pending:
         word = pending.pop(0)
-        if _joined_verbosity(word):
+        if joined_verbosity(word):
             word, pending = "-v", [word[2:], *pending]
-        name = _FLAGS.get(word) or _WITH_VALUE.get(word)
+        name = FLAGS.get(word) or WITH_VALUE.get(word)
         if name is None and not word.startswith("-"):
             continue
         if name is None:
-            raise ArgumentError(f"unknown option {word}: {', '.join([*_WITH_VALUE, *_FLAGS])} were expected")
+            raise ArgumentError(f"unknown option {word}: {', '.join([*WITH_VALUE, *FLAGS])} were expected")
         if name in found:
             raise ArgumentError(f"the option {word} is given twice")
-        if word in _WITH_VALUE and not pending:
+        if word in WITH_VALUE and not pending:
             raise ArgumentError(f"the option {word} needs a value")
-        found[name] = pending.pop(0) if word in _WITH_VALUE else True
+        found[name] = pending.pop(0) if word in WITH_VALUE else True
     if found.get("verbosity", "2") not in ("0", "1", "2", "3"):
         raise ArgumentError(f"-v {found['verbosity']}: 0, 1, 2 or 3 was expected")
     if found.get("matlab") and found["matlab"] == found.get("simulator"):

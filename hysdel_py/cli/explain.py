@@ -14,7 +14,6 @@ def add_parser(commands: argparse._SubParsersAction[argparse.ArgumentParser]) ->
     """Add the command."""
     parser = commands.add_parser(
         "explain",
-        help="tell what a diagnostic means",
         description="Print the page of a diagnostic, with an example; without a code, list all of them.",
     )
     parser.add_argument("code", metavar="CODE", nargs="?", help="such as HYS302, or only 302")

@@ -33,7 +33,6 @@ def add_parser(commands: argparse._SubParsersAction[argparse.ArgumentParser]) ->
     """Add the command."""
     parser = commands.add_parser(
         "explain-infeasible",
-        help="say why no sequence of inputs keeps ranges, MUST and limits",
         description="Find the smallest set of source items and time steps that contradict each other, or an input "
         "sequence that works.",
         epilog=_EPILOG,

@@ -53,7 +53,6 @@ def add_parser(commands: argparse._SubParsersAction[argparse.ArgumentParser]) ->
     """Add the command."""
     parser = commands.add_parser(
         "explicit",
-        help="work out the explicit law of a hybrid model predictive controller",
         description="Solve a hybrid model predictive controller for all its parameters at once.",
         epilog=_EPILOG,
         formatter_class=argparse.RawDescriptionHelpFormatter,

@@ -25,7 +25,6 @@ def add_parser(commands: argparse._SubParsersAction[argparse.ArgumentParser]) ->
     """Add the command."""
     parser = commands.add_parser(
         "graph",
-        help="write or draw the graph of the modes",
         description="Graph of the modes of a model: i -> j where some state and input of mode i lead to a state for "
         "which mode j has an input, or, with --kind adjacency, modes whose regions share a facet.",
         epilog=_EPILOG,

@@ -9,7 +9,8 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from hysdel_py.cli.arguments import DataError, number
+from hysdel_py.cli.arguments import number
+from hysdel_py.cli.data_error import DataError
 from hysdel_py.errors import ArgumentError
 from hysdel_py.systems.signals import Variable, as_vector
 

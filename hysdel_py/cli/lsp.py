@@ -6,7 +6,7 @@ import argparse
 import os
 import sys
 
-from hysdel_py.cli.arguments import DataError
+from hysdel_py.cli.data_error import DataError
 
 __all__ = ["add_parser"]
 
@@ -22,7 +22,6 @@ def add_parser(commands: argparse._SubParsersAction[argparse.ArgumentParser]) ->
     """Add the command."""
     parser = commands.add_parser(
         "lsp",
-        help="language server for editors",
         description="Serve diagnostics, names, completion and formatting to an editor by the language server protocol.",
         epilog=_EPILOG,
         formatter_class=argparse.RawDescriptionHelpFormatter,

@@ -5,51 +5,22 @@ from __future__ import annotations
 import argparse
 import os
 import sys
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from contextlib import suppress
-from importlib import import_module
 from time import perf_counter
 
-from hysdel_py.cli import drop_in
-from hysdel_py.cli.arguments import join_negative_values
 from hysdel_py.cli.colour import painted
+from hysdel_py.cli.commands import COMMANDS, add_commands
+from hysdel_py.cli.drop_in_words import is_drop_in
+from hysdel_py.cli.negative_values import join_negative_values
 from hysdel_py.cli.output import print_json
 from hysdel_py.cli.progress import clear_progress, is_terminal, tell_of_compiling, tell_of_plain_kernels
-from hysdel_py.cli.versions import all_versions
 from hysdel_py.errors import ArgumentError, CompileError, HysdelError
 from hysdel_py.version import __version__
 
 __all__ = ["build_parser", "main"]
 
 FINE, MISTAKE, USAGE, FAULT = 0, 1, 2, 3
-
-COMMANDS = (
-    "check",
-    "explain",
-    "audit",
-    "verify",
-    "diff",
-    "compile",
-    "show",
-    "graph",
-    "report",
-    "simulate",
-    "mpc",
-    "explicit",
-    "explain_infeasible",
-    "reach",
-    "safety",
-    "observe",
-    "solve",
-    "demo",
-    "drivetrain",
-    "fmt",
-    "stubs",
-    "lsp",
-    "completion",
-    "manual",
-)
-"""Modules of the commands in the order of the help."""
 
 _DESCRIPTION = "Compile, simulate and control hybrid systems that are written in .hys files."
 _EPILOG = """\
@@ -77,8 +48,8 @@ The command line of HYSDEL 2.0.5 is understood as well: hysdel -i model.hys -m m
 """
 
 
-def build_parser() -> argparse.ArgumentParser:
-    """The parser of the whole command line."""
+def build_parser(complete: Collection[str] = tuple(COMMANDS)) -> argparse.ArgumentParser:
+    """The parser of the whole command line, or one that knows the options of some commands only."""
     parser = argparse.ArgumentParser(
         prog="hysdel",
         description=_DESCRIPTION,
@@ -87,9 +58,7 @@ def build_parser() -> argparse.ArgumentParser:
     )
     parser.add_argument("--version", action="store_true", help="print the version and end")
     parser.add_argument("--verbose", action="store_true", help="with --version: those of Python and packages too")
-    commands = parser.add_subparsers(dest="command", metavar="COMMAND")
-    for name in COMMANDS:
-        import_module(f"hysdel_py.cli.{name}").add_parser(commands)
+    add_commands(parser, complete)
     return parser
 
 
@@ -112,18 +81,24 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
 
 def _run(arguments: Sequence[str]) -> int:
-    if drop_in.is_drop_in(arguments):
+    if is_drop_in(arguments):
         return _run_drop_in(arguments)
-    parser = build_parser()
+    parser = build_parser(COMMANDS.keys() & set(arguments))
     options = _parse(parser, join_negative_values(arguments))
     if options.version:
-        print(all_versions() if options.verbose else f"hysdel_py {__version__}")
+        print(_versions() if options.verbose else f"hysdel_py {__version__}")
         return FINE
     if options.command is None:
         parser.print_help(sys.stderr)
         print("\nhysdel: error: a COMMAND was expected", file=sys.stderr)
         return USAGE
     return _guarded(options)
+
+
+def _versions() -> str:
+    from hysdel_py.cli.versions import all_versions
+
+    return all_versions()
 
 
 def _parse(parser: argparse.ArgumentParser, arguments: Sequence[str]) -> argparse.Namespace:
@@ -138,6 +113,8 @@ def _parse(parser: argparse.ArgumentParser, arguments: Sequence[str]) -> argpars
 
 def _run_drop_in(arguments: Sequence[str]) -> int:
     """Run the command line of the original compiler, which ends with 1 whatever the fault."""
+    from hysdel_py.cli import drop_in
+
     try:
         return drop_in.run(arguments)
     except BrokenPipeError:

@@ -21,7 +21,6 @@ def add_parser(commands: argparse._SubParsersAction[argparse.ArgumentParser]) ->
     """Add the command."""
     parser = commands.add_parser(
         "manual",
-        help="print the manual page",
         description="Print the manual page, section 1, for man.",
         epilog=_EPILOG,
         formatter_class=argparse.RawDescriptionHelpFormatter,

@@ -41,7 +41,6 @@ def add_parser(commands: argparse._SubParsersAction[argparse.ArgumentParser]) ->
     """Add the command."""
     parser = commands.add_parser(
         "mpc",
-        help="control a model in a loop by hybrid model predictive control",
         description="Run a hybrid model predictive controller on its own model.",
         epilog=_EPILOG,
         formatter_class=argparse.RawDescriptionHelpFormatter,

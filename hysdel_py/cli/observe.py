@@ -8,7 +8,7 @@ from hysdel_py.cli.arguments import add_model, add_output, load_model
 from hysdel_py.cli.intervals import add_runs, intervals
 from hysdel_py.cli.native import native_output_on_stderr
 from hysdel_py.cli.output import print_json
-from hysdel_py.cli.verify import NOT_SETTLED
+from hysdel_py.cli.proofs import NOT_SETTLED
 from hysdel_py.cli.watch import watched
 from hysdel_py.reports.observability import observability
 from hysdel_py.reports.observability_answer import ObservabilityVerdict
@@ -39,7 +39,6 @@ def add_parser(commands: argparse._SubParsersAction[argparse.ArgumentParser]) ->
     """Add the command."""
     parser = commands.add_parser(
         "observe",
-        help="prove that outputs tell states or modes apart, or show two runs that they do not",
         description="Search two runs that start apart and have the same inputs and outputs.",
         epilog=_EPILOG,
         formatter_class=argparse.RawDescriptionHelpFormatter,

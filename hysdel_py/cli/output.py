@@ -5,12 +5,14 @@ from __future__ import annotations
 import argparse
 import json
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
-from hysdel_py.cli.arguments import DataError
+from hysdel_py.cli.data_error import DataError
 from hysdel_py.errors import ArgumentError
-from hysdel_py.model import Model
-from hysdel_py.systems.trajectory import Trajectory
+
+if TYPE_CHECKING:
+    from hysdel_py.model import Model
+    from hysdel_py.systems.trajectory import Trajectory
 
 __all__ = [
     "add_files", "check_files", "check_picture", "check_target", "emit_trajectory", "print_json", "table",

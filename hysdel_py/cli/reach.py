@@ -12,7 +12,7 @@ from hysdel_py.cli.intervals import add_runs, intervals
 from hysdel_py.cli.native import native_output_on_stderr
 from hysdel_py.cli.output import PICTURES, check_picture, print_json
 from hysdel_py.cli.progress import clear_progress, progress_line
-from hysdel_py.cli.verify import NOT_SETTLED
+from hysdel_py.cli.proofs import NOT_SETTLED
 from hysdel_py.errors import ArgumentError
 from hysdel_py.model import Model
 from hysdel_py.reports.columns import aligned
@@ -39,7 +39,6 @@ def add_parser(commands: argparse._SubParsersAction[argparse.ArgumentParser]) ->
     """Add the command."""
     parser = commands.add_parser(
         "reach",
-        help="compute the states that can be reached, step by step",
         description="Sets of states after each step, from a set of states and under all inputs.",
         epilog=_EPILOG,
         formatter_class=argparse.RawDescriptionHelpFormatter,

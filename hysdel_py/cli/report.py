@@ -5,7 +5,8 @@ from __future__ import annotations
 import argparse
 from pathlib import Path
 
-from hysdel_py.cli.arguments import DataError, add_model, load_model
+from hysdel_py.cli.arguments import add_model, load_model
+from hysdel_py.cli.data_error import DataError
 from hysdel_py.cli.output import check_target
 from hysdel_py.errors import ArgumentError
 from hysdel_py.reports.page import html_report
@@ -28,7 +29,6 @@ def add_parser(commands: argparse._SubParsersAction[argparse.ArgumentParser]) ->
     """Add the command."""
     parser = commands.add_parser(
         "report",
-        help="write a model and a run of it as a page of HTML",
         description="Write one page of HTML: source beside its rows, signals, big-M constants, modes, and a run.",
         epilog=_EPILOG,
         formatter_class=argparse.RawDescriptionHelpFormatter,

@@ -10,7 +10,7 @@ from hysdel_py.cli.arguments import add_model, add_output, load_model
 from hysdel_py.cli.intervals import add_runs, intervals
 from hysdel_py.cli.native import native_output_on_stderr
 from hysdel_py.cli.output import add_files, check_files, print_json
-from hysdel_py.cli.verify import NOT_SETTLED
+from hysdel_py.cli.proofs import NOT_SETTLED
 from hysdel_py.cli.watch import watched_steps
 from hysdel_py.errors import ArgumentError
 from hysdel_py.model import Model
@@ -50,7 +50,6 @@ def add_parser(commands: argparse._SubParsersAction[argparse.ArgumentParser]) ->
     """Add the command."""
     parser = commands.add_parser(
         "safety",
-        help="prove that a condition never holds, always holds or must come, or show a run",
         description="Search all runs from a set of states, under all inputs, for one that contradicts a statement.",
         epilog=_EPILOG,
         formatter_class=argparse.RawDescriptionHelpFormatter,

@@ -33,7 +33,6 @@ def add_parser(commands: argparse._SubParsersAction[argparse.ArgumentParser]) ->
     """Add the command."""
     parser = commands.add_parser(
         "show",
-        help="print a form of a model in words",
         description="Print what a model becomes, with the names of the source.",
         epilog=_EPILOG,
         formatter_class=argparse.RawDescriptionHelpFormatter,

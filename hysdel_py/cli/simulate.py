@@ -9,7 +9,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hysdel_py.cli.arguments import (
-    DataError,
     add_model,
     add_output,
     add_start,
@@ -17,6 +16,7 @@ from hysdel_py.cli.arguments import (
     given_vector,
     load_model,
 )
+from hysdel_py.cli.data_error import DataError
 from hysdel_py.cli.input_file import read_inputs
 from hysdel_py.cli.output import add_files, check_files, emit_trajectory
 from hysdel_py.cli.progress import clear_progress, progress_line
@@ -44,7 +44,6 @@ def add_parser(commands: argparse._SubParsersAction[argparse.ArgumentParser]) ->
     """Add the command."""
     parser = commands.add_parser(
         "simulate",
-        help="run a model under given inputs",
         description="Simulate a model. Give states and inputs in the order of declaration, reals first, or by name.",
         epilog=_EPILOG,
         formatter_class=argparse.RawDescriptionHelpFormatter,

@@ -34,7 +34,6 @@ def add_parser(commands: argparse._SubParsersAction[argparse.ArgumentParser]) ->
     """Add the command."""
     parser = commands.add_parser(
         "solve",
-        help="solve a program that hysdel mpc --dump-problem wrote",
         description="Solve a mixed-integer program from a file, with the settings of the file or others.",
         epilog=_EPILOG,
         formatter_class=argparse.RawDescriptionHelpFormatter,

@@ -26,7 +26,6 @@ def add_parser(commands: argparse._SubParsersAction[argparse.ArgumentParser]) ->
     """Add the command."""
     parser = commands.add_parser(
         "stubs",
-        help="write the names of a model as Python types",
         description="Write a Python module with the states, inputs, outputs and parameters of a model as types.",
         epilog=_EPILOG,
         formatter_class=argparse.RawDescriptionHelpFormatter,

@@ -4,15 +4,15 @@ from __future__ import annotations
 
 import argparse
 from collections.abc import Callable
-from math import inf
 from pathlib import Path
 from typing import TypeVar
 
-from hysdel_py.analysis.margins import Margins
 from hysdel_py.analysis.report import VerifyStatus
 from hysdel_py.analysis.verify import verify
-from hysdel_py.cli.arguments import DataError, add_model, add_output, load_model
+from hysdel_py.cli.arguments import add_model, add_output, load_model
+from hysdel_py.cli.data_error import DataError
 from hysdel_py.cli.output import print_json
+from hysdel_py.cli.proofs import NOT_SETTLED, add_margins, margins_of, seconds_of
 from hysdel_py.cli.watch import watched
 from hysdel_py.errors import ArgumentError
 from hysdel_py.export.pwa_data import read_pwa_json
@@ -20,12 +20,9 @@ from hysdel_py.export.reading import read_mat, read_mld_json, read_npz
 from hysdel_py.systems.mld import Mld
 from hysdel_py.systems.pwa import Pwa
 
-__all__ = ["NOT_SETTLED", "add_margins", "add_parser", "margins_of", "seconds_of"]
+__all__ = ["add_parser"]
 
 T = TypeVar("T")
-
-NOT_SETTLED = 4
-"""Exit status where neither equality nor a difference was shown."""
 
 _READERS = {".json": read_mld_json, ".npz": read_npz, ".mat": read_mat}
 
@@ -44,7 +41,6 @@ def add_parser(commands: argparse._SubParsersAction[argparse.ArgumentParser]) ->
     """Add the command."""
     parser = commands.add_parser(
         "verify",
-        help="show that matrices and modes have the steps of the model",
         description="Show that the discrete hybrid automaton, which is the meaning of a model, its MLD form and its\n"
         "PWA form have the same steps, or find a state and input where they differ.",
         epilog=_EPILOG,
@@ -63,32 +59,6 @@ def add_parser(commands: argparse._SubParsersAction[argparse.ArgumentParser]) ->
     add_margins(parser)
     add_output(parser, "the report")
     parser.set_defaults(run=run)
-
-
-def add_margins(parser: argparse.ArgumentParser) -> None:
-    """Add band, tolerance and time limit of a proof."""
-    margins = Margins()
-    parser.add_argument(
-        "--band", type=float, default=margins.band, metavar="B",
-        help=f"width left out around thresholds, relative to the size of the terms (default {margins.band:g})",
-    )  # fmt: skip
-    parser.add_argument(
-        "--tolerance", type=float, default=margins.tolerance, metavar="T",
-        help=f"what counts as a difference, relative to the size of the terms (default {margins.tolerance:g})",
-    )  # fmt: skip
-    parser.add_argument("--seconds", type=float, default=inf, metavar="T", help="time limit (default none)")
-
-
-def margins_of(options: argparse.Namespace) -> Margins:
-    """Band and tolerance of the arguments."""
-    return Margins(options.band, options.tolerance)
-
-
-def seconds_of(options: argparse.Namespace) -> float:
-    """Time limit of the arguments."""
-    if not options.seconds > 0:
-        raise ArgumentError(f"--seconds {options.seconds:g}: a time above 0 was expected")
-    return float(options.seconds)
 
 
 def run(options: argparse.Namespace) -> int:

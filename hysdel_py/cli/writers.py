@@ -6,10 +6,10 @@ import argparse
 import sys
 from collections.abc import Callable
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from hysdel_py.errors import ArgumentError
 from hysdel_py.export.compiled import Compiled
-from hysdel_py.export.fmu import FmuFile, to_fmu
 from hysdel_py.export.matlab import MatlabOptions, matlab_text
 from hysdel_py.export.matrices import write_json, write_mat, write_npz
 from hysdel_py.export.plant_c import write_plant
@@ -17,6 +17,9 @@ from hysdel_py.export.simulator_python import module_text
 from hysdel_py.lowering.constants import Constants
 from hysdel_py.model import Model, to_dha, to_mld
 from hysdel_py.systems.mld import Mld
+
+if TYPE_CHECKING:
+    from hysdel_py.export.fmu import FmuFile
 
 __all__ = ["FORMATS", "find_writer", "report_unit"]
 
@@ -56,6 +59,8 @@ def _c(model: Model, mld: Mld, options: argparse.Namespace) -> None:  # noqa: AR
 
 
 def _fmu(model: Model, mld: Mld, options: argparse.Namespace) -> None:  # noqa: ARG001 -- the Dha is written
+    from hysdel_py.export.fmu import to_fmu  # units hold controllers too, which no other format needs
+
     system = model if options.constants == Constants.AFFINE.value else to_dha(model, constants=options.constants)
     report_unit(to_fmu(system, options.output, sample_time=model.sample_time))
 

@@ -2,18 +2,22 @@
 
 A kernel is a function over arrays and numbers whose text is valid both ways. Compiled code is cached beside the source,
 or where ``NUMBA_CACHE_DIR`` says; without a writable place it is compiled anew in each process.
-``NUMBA_DISABLE_JIT=1`` runs the plain functions although numba is there.
+``NUMBA_DISABLE_JIT=1`` runs the plain functions although numba is there. Modules of kernels that are loaded once more,
+through a package called ``interpreted``, stay plain.
 """
 
 from __future__ import annotations
 
+import os
+import sys
 from collections.abc import Callable
 from contextlib import suppress
 from functools import cache
+from importlib.util import find_spec
 from pathlib import Path
 from typing import Any, TypeVar
 
-__all__ = ["cached", "compiled", "either", "is_on_disk", "kernels_are_compiled", "leaf", "reordered"]
+__all__ = ["cached", "compiled", "either", "is_on_disk", "kernels_are_compiled", "kernels_wait", "leaf", "reordered"]
 
 F = TypeVar("F", bound=Callable[..., Any])
 
@@ -34,6 +38,8 @@ def reordered(function: F) -> F:
 
 
 def _compile(function: F, **options: Any) -> F:
+    if _stays_plain(function):
+        return function
     numba = _numba()
     if numba is None:
         return function
@@ -70,7 +76,12 @@ def either(loops: F, arrays: F, kernel: Callable[[F], F] = compiled) -> F:
 
     For the innermost steps only: loops over elements are what a compiler likes and what plain Python is slow at.
     """
-    return kernel(loops) if kernels_are_compiled() else arrays
+    return kernel(loops) if _stays_plain(loops) or kernels_are_compiled() else arrays
+
+
+def _stays_plain(function: Callable[..., Any]) -> bool:
+    """Whether the module of a kernel is the plain one of two that are made of the same file."""
+    return "interpreted" in function.__module__.split(".")
 
 
 def is_on_disk(kernel: Callable[..., Any]) -> bool:
@@ -86,6 +97,11 @@ def kernels_are_compiled() -> bool:
     """Whether kernels run as compiled code in this process."""
     numba = _numba()
     return numba is not None and not numba.config.DISABLE_JIT
+
+
+def kernels_wait() -> bool:
+    """Whether kernels would run as compiled code of which nothing has been loaded; told without loading it."""
+    return "numba" not in sys.modules and not os.environ.get("NUMBA_DISABLE_JIT") and find_spec("numba") is not None
 
 
 @cache

@@ -8,8 +8,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hysdel_py.compiled import kernels_are_compiled
-from hysdel_py.geometry.kernels.double_description import extreme_rays
-from hysdel_py.geometry.kernels.homogeneous import generated, homogeneous, sort
 
 __all__ = ["Cone", "across", "cone_of", "orthonormal", "points_and_ways", "sorted_order"]
 
@@ -51,6 +49,8 @@ def cone_of(H: Matrix) -> Cone | None:
     H : array of shape (m, d)
         Rows of about unit length.
     """
+    from hysdel_py.geometry.kernels.double_description import extreme_rays  # numba is loaded with kernels
+
     m, d = H.shape
     if m > (_MOST_ROWS if kernels_are_compiled() else _MOST_ROWS_PLAIN):
         return None
@@ -67,6 +67,8 @@ def sorted_order(rows: Matrix, scale: Vector) -> NDArray[np.int64]:
     """Order of rows, as far as nine digits of those in coordinates of the given sizes tell."""
     if len(rows) > _MOST_RAYS or not kernels_are_compiled():
         return np.lexsort((rows / scale).round(9).T[::-1])
+    from hysdel_py.geometry.kernels.homogeneous import sort
+
     order = np.empty(len(rows), np.int64)
     sort(np.array(rows, order="C"), np.array(scale), order)
     return order
@@ -110,6 +112,8 @@ def _around(
     A: Matrix, b: Vector, point: Vector, scale: Vector, least: float
 ) -> tuple[Matrix, Matrix, Matrix, Vector] | None:
     """The same from a point of the set and about the sizes of its coordinates, which both change."""
+    from hysdel_py.geometry.kernels.homogeneous import generated, homogeneous
+
     m, n = A.shape
     H = np.empty((m + 1, n + 1))
     if not homogeneous(A, b, least, point, scale, np.empty(m), H):

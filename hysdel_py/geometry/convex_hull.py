@@ -9,7 +9,6 @@ from hysdel_py.errors import ArgumentError
 from hysdel_py.geometry.affine_hull import AffineHull, affine_hull
 from hysdel_py.geometry.cone import across, cone_of, orthonormal, sorted_order
 from hysdel_py.geometry.generators import generators_of
-from hysdel_py.geometry.kernels.homogeneous import dual
 from hysdel_py.geometry.precision import Precision
 
 __all__ = ["hull_rows", "hull_volume"]
@@ -48,6 +47,8 @@ def hull_rows(points: Matrix, rays: Matrix, lines: Matrix, precision: Precision)
     n = points.shape[1]
     if not n:
         return np.zeros((0, 0)), np.zeros(0)
+    from hysdel_py.geometry.kernels.homogeneous import dual  # numba is loaded with kernels
+
     middle, sizes, H = np.empty(n), np.empty(n), np.empty((len(points) + len(rays) + 2 * len(lines), n + 1))
     dual(
         np.array(points, order="C"),

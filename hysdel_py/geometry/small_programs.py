@@ -7,9 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from hysdel_py.compiled import kernels_are_compiled
-from hysdel_py.geometry.kernels.linear_program import INFEASIBLE, OPTIMAL
-from hysdel_py.geometry.kernels.programs import maximised, screened
+from hysdel_py.geometry.head_start import loops_are_fast, programs
 
 __all__ = ["GreatestValues", "are_small", "greatest_radius", "greatest_values", "needed_among"]
 
@@ -21,7 +19,6 @@ _MOST_ENTRIES = 5000
 _MOST_ENTRIES_PLAIN = 8
 """Without a compiler the loops of the kernels lose against PIQP from here on."""
 _NO_MARGIN = -1.0
-_TOLD = (OPTIMAL, INFEASIBLE)
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -46,7 +43,7 @@ class GreatestValues:
 
 def are_small(m: int, n: int) -> bool:
     """Whether programs of m rows and n variables are solved fastest here."""
-    return 0 < n <= _MOST_VARIABLES and m * n <= (_MOST_ENTRIES if kernels_are_compiled() else _MOST_ENTRIES_PLAIN)
+    return 0 < n <= _MOST_VARIABLES and m * n <= (_MOST_ENTRIES if loops_are_fast() else _MOST_ENTRIES_PLAIN)
 
 
 def greatest_values(
@@ -103,8 +100,10 @@ def _greatest_values(
     """As :func:`greatest_values`, of arrays that the kernel can take as they are."""
     (m, n), k = A.shape, len(costs)
     W, Y, values, bounds = np.empty((k, n)), np.empty((k, m)), np.zeros(k), np.empty(k)
-    status = maximised(costs, A, b, lb, ub, tolerance, _NO_MARGIN, W, Y, values, bounds, *_room(m, n))
-    return GreatestValues(status == OPTIMAL, W, Y, values, bounds) if status in _TOLD else None
+    kernels = programs(k * m * n)
+    status = kernels.maximised(costs, A, b, lb, ub, tolerance, _NO_MARGIN, W, Y, values, bounds, *_room(m, n))
+    is_told = status in (kernels.OPTIMAL, kernels.INFEASIBLE)
+    return GreatestValues(status == kernels.OPTIMAL, W, Y, values, bounds) if is_told else None
 
 
 def needed_among(
@@ -129,13 +128,14 @@ def needed_among(
     m, n = A.shape
     G, h, rows, known = np.empty((m, n)), np.empty(m), np.empty(m, np.int64), np.zeros(m, np.bool_)
     given = np.array(A, dtype=float, order="C"), np.array(b, dtype=float), np.array(inside, dtype=float, order="C")
-    count = screened(*given, parallel, G, h, rows, np.empty(m), known)
+    kernels = programs(m * m * n)
+    count = kernels.screened(*given, parallel, G, h, rows, np.empty(m), known)
     G, h, rows, known = G[:count], h[:count], rows[:count], known[:count]
     asked = int(count - np.count_nonzero(known))
     if asked:
         values, far, W = np.where(known, np.inf, 0.0), np.full(n, np.inf), np.empty((count, n))
         outs = W, np.empty((1, 1)), values, np.empty(count)
-        if maximised(G, G, h, -far, far, tolerance, margin, *outs, *_room(count, n)) != OPTIMAL:
+        if kernels.maximised(G, G, h, -far, far, tolerance, margin, *outs, *_room(count, n)) != kernels.OPTIMAL:
             return None
         rows = rows[values > h + margin]
     return tuple(sorted(rows.tolist())), asked

@@ -33,19 +33,11 @@ def grammar_text() -> str:
 
 @cache
 def _lark(dialect: Dialect, extensions: frozenset[Extension]) -> Lark:
-    from lark import Lark
-
+    from hysdel_py.syntax.parser_tables import parser_of
     from hysdel_py.syntax.tree_to_ast import TreeToAst
 
-    return Lark(
-        extended(grammar_of(dialect, grammar_text()), extensions),
-        start="file",
-        parser="lalr",
-        lexer="basic",
-        keep_all_tokens=True,
-        maybe_placeholders=False,
-        transformer=TreeToAst(),
-    )
+    name = "-".join([dialect.name, *sorted(extension.name for extension in extensions)]).lower()
+    return parser_of(extended(grammar_of(dialect, grammar_text()), extensions), name, TreeToAst())
 
 
 def parse(source: Source, sink: Sink) -> ast.System | None:

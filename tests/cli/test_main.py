@@ -9,7 +9,7 @@ import pytest
 
 import hysdel_py
 from hysdel_py.cli import check, main
-from hysdel_py.cli.arguments import join_negative_values
+from hysdel_py.cli.negative_values import join_negative_values
 from hysdel_py.shipped import shipped_models
 
 COMMANDS = ("check", "compile", "simulate", "mpc", "demo", "fmt", "stubs", "lsp")
@@ -121,7 +121,7 @@ def test_interruption_before_a_command_runs(hysdel, monkeypatch):
     def interrupted(_name):
         raise KeyboardInterrupt
 
-    monkeypatch.setattr("hysdel_py.cli.main.import_module", interrupted)
+    monkeypatch.setattr("hysdel_py.cli.commands.import_module", interrupted)
     run = hysdel("check", "tank.hys")
     assert (run.status, run.err) == (1, "interrupted\n")
 

@@ -11,9 +11,11 @@ from typing import Any
 import numpy as np
 
 from hysdel_py.compiled import leaf
-from hysdel_py.geometry.kernels.linear_program import INFEASIBLE, OPTIMAL, UNBOUNDED, UNKNOWN, solved
 
-__all__ = ["maximised", "screened"]
+# Relative, for this module is loaded under the name of hysdel_py.geometry.interpreted, too.
+from .linear_program import INFEASIBLE, OPTIMAL, UNBOUNDED, UNKNOWN, solved
+
+__all__ = ["INFEASIBLE", "OPTIMAL", "maximised", "screened"]
 
 _EPS = float(np.finfo(float).eps)
 _CLEARLY_FIRST = 1e-6
