@@ -175,7 +175,8 @@ def _forced(before: Sequence[Token], token: Token) -> bool:
     """Comments that begin or end a line keep doing so."""
     if not before:
         return False
-    if token.is_comment and stands_alone(token, before):
+    begins = len(before) == 1 and before[0].kind is TokenKind.SEPARATOR  # first of its item, as on a line of its own
+    if token.is_comment and (begins or stands_alone(token, before)):
         return True
     if not before[-1].is_comment:
         return False

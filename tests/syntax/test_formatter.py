@@ -235,6 +235,7 @@ def test_layout_without_comments_does_not_matter(text, seed):
 @given(
     st.lists(st.sampled_from([*"(){}[];,=-~ab\n ", "/* c */", "// l\n", "IF ", " THEN ", " AD ", "REAL "]), max_size=40)
 )
+@example(["{", ",", "/* c */"])
 def test_formatting_any_tokens_is_stable(parts):
     formatted = format_text("".join(parts))
     assert format_text(formatted) == formatted
