@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 from hysdel_py.errors import ArgumentError
 from hysdel_py.optimize.mixed_integer import NodeFate, NodeRecord, SearchInfo
 from hysdel_py.plotting.style import COLOURS, MUTED
+from hysdel_py.systems.summary import counted
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -134,7 +135,7 @@ def _axes(drawn: Sequence[Place]) -> Axes:
     from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.figure import Figure
 
-    width = min(24.0, max(7.0, 1.0 + 0.9 * max(p.across for p in drawn)))
+    width = min(24.0, max(7.0, 1.0 + max(p.across for p in drawn)))
     height = min(20.0, max(3.5, 1.6 + 0.75 * max(p.level for p in drawn)))
     figure = Figure(figsize=(width, height), dpi=110, layout="constrained")
     FigureCanvasAgg(figure)
@@ -150,7 +151,7 @@ def _draw_edge(axes: Axes, place: Place, drawn: Sequence[Place], variables: Sequ
     axes.plot([above.across, place.across], [-above.level, -place.level], style, color=MUTED, linewidth=0.8, zorder=1)
     if labelled and place.record is not None:
         name = variables[place.record.variable].partition(" (line")[0]
-        share = 0.68 if place.record.value else 0.36  # of the way, so that the words of both halves keep clear
+        share = 0.55 if place.record.value else 0.3  # of the way, so that the words of both halves keep clear
         at = above.across + share * (place.across - above.across), -above.level - share
         axes.text(*at, f"{name} = {place.record.value:g}", fontsize=6, color=MUTED, ha="center", va="center",
                   bbox={"facecolor": "white", "edgecolor": "none", "pad": 0.6}, zorder=2)  # fmt: skip
@@ -175,12 +176,14 @@ def _draw_best(axes: Axes, entries: Sequence[SearchInfo], at: Mapping[int, Place
 
 
 def _draw_bounds(axes: Axes, drawn: Sequence[Place]) -> None:
-    """The number of each node and its certified bound."""
+    """The number of each node and its certified bound, on the side where no edge comes down."""
     for place in drawn:
         if place.record is not None:
             bound = f"\n{place.record.bound:.5g}" if isfinite(place.record.bound) else ""
-            axes.annotate(f"{place.record.number}{bound}", (place.across, -place.level), xytext=(7, 3),
-                          textcoords="offset points", fontsize=6, va="bottom")  # fmt: skip
+            left = place.parent >= 0 and place.across < drawn[place.parent].across
+            shift, side = (-7, "right") if left else (7, "left")
+            axes.annotate(f"{place.record.number}{bound}", (place.across, -place.level), xytext=(shift, 3),
+                          textcoords="offset points", fontsize=6, va="bottom", ha=side)  # fmt: skip
 
 
 def _finish(axes: Axes, last: SearchInfo, title: str) -> None:
@@ -188,8 +191,9 @@ def _finish(axes: Axes, last: SearchInfo, title: str) -> None:
     axes.set_axis_off()
     plan = f"best plan {last.objective:.6g}, bound {last.bound:.6g}" if isfinite(last.objective) else "no plan"
     head = f"{title}: " if title else ""
+    work = f"{counted(last.nodes, 'node')}, {counted(last.qps, 'quadratic program')}"
     axes.set_title(
-        f"{head}{last.nodes} nodes, {last.qps} quadratic programs, {plan}; numbers: order, and certified bound below",
+        f"{head}{work}, at the last node {plan}; numbers: order, and certified bound below",
         fontsize=8, loc="left",
     )  # fmt: skip
     axes.legend(loc="upper center", bbox_to_anchor=(0.5, 0.0), ncols=6, frameon=False, fontsize=7)
