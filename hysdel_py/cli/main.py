@@ -14,7 +14,7 @@ from hysdel_py.cli.commands import COMMANDS, add_commands
 from hysdel_py.cli.drop_in_words import is_drop_in
 from hysdel_py.cli.negative_values import join_negative_values
 from hysdel_py.cli.output import print_json
-from hysdel_py.cli.progress import clear_progress, is_terminal, tell_of_compiling, tell_of_plain_kernels
+from hysdel_py.cli.progress import clear_progress, is_terminal, tell_of_plain_kernels, telling_of_compiling
 from hysdel_py.errors import ArgumentError, CompileError, HysdelError
 from hysdel_py.version import __version__
 
@@ -126,12 +126,11 @@ def _run_drop_in(arguments: Sequence[str]) -> int:
 
 def _guarded(options: argparse.Namespace) -> int:
     """Run a command; every error becomes a message and an exit status."""
-    status, begin, compiles = MISTAKE, perf_counter(), getattr(options, "compiles", False)
+    status, begin = MISTAKE, perf_counter()
     try:
-        if compiles:
-            tell_of_compiling()
-        status = options.run(options)
-        if compiles:
+        with telling_of_compiling():
+            status = options.run(options)
+        if getattr(options, "compiles", False):
             tell_of_plain_kernels(perf_counter() - begin)
     except BrokenPipeError:
         raise

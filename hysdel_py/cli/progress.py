@@ -5,11 +5,15 @@ from __future__ import annotations
 import os
 import sys
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from functools import cache
 from importlib.util import find_spec
 from math import inf
 
-__all__ = ["Progress", "clear_progress", "counter", "progress_line", "tell_of_compiling", "tell_of_plain_kernels"]
+from hysdel_py.compiled.listening import told_of_compiling
+
+__all__ = ["Progress", "clear_progress", "counter", "progress_line", "tell_of_plain_kernels", "telling_of_compiling"]
 
 _CLEAR = "\x1b[K"  # what a terminal takes as: empty the line from here on
 _CELLS = 24
@@ -95,14 +99,18 @@ def counter(enabled: bool, text: str) -> Callable[..., None] | None:
     return tell
 
 
-def tell_of_compiling() -> None:
-    """Say why it takes so long, where kernels have to be compiled first and somebody watches."""
+@contextmanager
+def telling_of_compiling() -> Iterator[None]:
+    """Within this context say once why it takes so long, where kernels have to be compiled and somebody watches."""
     if not is_terminal():
+        yield
         return
-    from hysdel_py.optimize.warm_up import must_compile
+    with told_of_compiling(cache(_tell_of_compiling)):
+        yield
 
-    if must_compile():
-        print("compiling the solvers: half a minute or more, once for this installation", file=sys.stderr, flush=True)
+
+def _tell_of_compiling() -> None:
+    print(f"\r{_CLEAR}compiling the solvers: up to a minute, once for this installation", file=sys.stderr, flush=True)
 
 
 def tell_of_plain_kernels(seconds: float) -> None:

@@ -5,11 +5,11 @@ from __future__ import annotations
 from hysdel_py.compiled.decorators import (
     compiled,
     either,
-    is_on_disk,
     kernels_are_compiled,
     kernels_wait,
     leaf,
     reordered,
 )
+from hysdel_py.compiled.listening import told_of_compiling
 
-__all__ = ["compiled", "either", "is_on_disk", "kernels_are_compiled", "kernels_wait", "leaf", "reordered"]
+__all__ = ["compiled", "either", "kernels_are_compiled", "kernels_wait", "leaf", "reordered", "told_of_compiling"]

@@ -17,7 +17,7 @@ from importlib.util import find_spec
 from pathlib import Path
 from typing import Any, TypeVar
 
-__all__ = ["cached", "compiled", "either", "is_on_disk", "kernels_are_compiled", "kernels_wait", "leaf", "reordered"]
+__all__ = ["cached", "compiled", "either", "kernels_are_compiled", "kernels_wait", "leaf", "reordered"]
 
 F = TypeVar("F", bound=Callable[..., Any])
 
@@ -82,15 +82,6 @@ def either(loops: F, arrays: F, kernel: Callable[[F], F] = compiled) -> F:
 def _stays_plain(function: Callable[..., Any]) -> bool:
     """Whether the module of a kernel is the plain one of two that are made of the same file."""
     return "interpreted" in function.__module__.split(".")
-
-
-def is_on_disk(kernel: Callable[..., Any]) -> bool:
-    """Whether code of a kernel is kept on disk, for some types of arguments; never where nothing is compiled."""
-    folder = getattr(getattr(getattr(kernel, "entry", kernel), "stats", None), "cache_path", None)
-    if folder is None:
-        return False
-    stem = kernel.__module__.rpartition(".")[2]
-    return any(Path(folder).glob(f"{stem}.{kernel.__name__}-*.nbi"))
 
 
 def kernels_are_compiled() -> bool:

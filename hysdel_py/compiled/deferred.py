@@ -26,6 +26,7 @@ from numba.core.typed_passes import NativeLowering
 from numba.core.types import unliteral
 
 from hysdel_py.compiled.decorators import cached
+from hysdel_py.compiled.listening import compiling
 
 __all__ = ["Kernel"]
 
@@ -102,6 +103,7 @@ class _Entry(_Pipeline):
 
     def compile_extra(self, func: Any) -> Any:
         """Compile this kernel and all below it."""
+        compiling()
         with _seldom_collecting():
             return super().compile_extra(func)
 

@@ -6,11 +6,11 @@ from time import perf_counter
 
 import numpy as np
 
-from hysdel_py.compiled import is_on_disk, kernels_are_compiled
+from hysdel_py.compiled import kernels_are_compiled
 from hysdel_py.optimize.mixed_integer import Miqp, MiqpSettings
 from hysdel_py.optimize.qp import Qp
 
-__all__ = ["must_compile", "warm_up"]
+__all__ = ["warm_up"]
 
 
 def warm_up() -> float:
@@ -35,15 +35,6 @@ def warm_up() -> float:
 
         MiqpSolver(_problem(), MiqpSettings(backend="dense"))
     return perf_counter() - begin
-
-
-def must_compile() -> bool:
-    """Whether the first controller of this process will wait for a compiler."""
-    if not kernels_are_compiled():
-        return False
-    from hysdel_py.optimize.kernels.search import run
-
-    return not is_on_disk(run)
 
 
 def _problem() -> Miqp:

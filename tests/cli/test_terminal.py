@@ -9,8 +9,9 @@ import pytest
 
 from hysdel_py.cli.colour import painted
 from hysdel_py.cli.interrupt import first_interrupt
-from hysdel_py.cli.main import _guarded, main
+from hysdel_py.cli.main import _guarded
 from hysdel_py.cli.progress import bar, is_terminal, progress_line, spoken
+from hysdel_py.compiled.listening import compiling
 
 pytest.importorskip("pty", reason="there are no pseudo-terminals on this system")
 from cli.conftest import TANK
@@ -132,14 +133,16 @@ def test_a_dumb_terminal_gets_no_bar(monkeypatch):
     assert not is_terminal()
 
 
-@pytest.mark.parametrize(
-    ("compile_first", "command", "said"), [(True, "mpc", True), (False, "mpc", False), (True, "check", False)]
-)
-def test_who_waits_for_the_compiler_is_told(monkeypatch, capsys, compile_first, command, said):
-    monkeypatch.setattr("hysdel_py.optimize.warm_up.must_compile", lambda: compile_first)
-    monkeypatch.setattr("hysdel_py.cli.progress.is_terminal", lambda: True)
-    main([command, "no_such_model"])
-    assert ("compiling the solvers" in capsys.readouterr().err) is said
+@pytest.mark.parametrize("is_watched", [True, False])
+def test_who_waits_for_the_compiler_is_told_once(monkeypatch, capsys, is_watched):
+    def run(options):
+        compiling()
+        compiling()
+        return 0
+
+    monkeypatch.setattr("hysdel_py.cli.progress.is_terminal", lambda: is_watched)
+    assert _guarded(argparse.Namespace(run=run)) == 0
+    assert capsys.readouterr().err.count("compiling the solvers") == is_watched
 
 
 @pytest.mark.parametrize(("seconds", "numba", "said"), [(20.0, None, True), (20.0, "there", False), (0.5, None, False)])

@@ -1,11 +1,14 @@
 """Kernels that wait for those that Python calls: what they give, and what is made of them."""
 
+import os
 import pickle
+import subprocess
+import sys
 
 import numpy as np
 import pytest
 
-from hysdel_py.compiled import compiled, kernels_are_compiled, leaf
+from hysdel_py.compiled import compiled, kernels_are_compiled, leaf, told_of_compiling
 from hysdel_py.compiled import decorators as module
 
 needs_numba = pytest.mark.skipif(not kernels_are_compiled(), reason="nothing is compiled without numba")
@@ -102,12 +105,34 @@ def test_numba_alone_will_do(monkeypatch):
 
 
 @needs_numba
-def test_what_is_on_disk_is_known():
+def test_who_listens_is_told_before_a_kernel_is_compiled():
     @compiled
-    def never_called(x):
+    def twice(x):
         return 2 * x
 
-    assert not module.is_on_disk(never_called)
-    assert not module.is_on_disk(abs)
-    assert root_of_sum(np.ones(4)) == 2.0
-    assert module.is_on_disk(root_of_sum)
+    told = []
+    with told_of_compiling(lambda: told.append(len(twice.entry.signatures))):
+        assert (twice(1), twice(2), twice(1.5)) == (2, 4, 3.0)
+    assert told == [0, 1]
+    assert twice(1j) == 2j
+    assert told == [0, 1]
+
+
+@needs_numba
+def test_nobody_is_told_of_what_is_on_disk(tmp_path):
+    text = (
+        "import sys, numpy as np\n"
+        "from hysdel_py.compiled import told_of_compiling\n"
+        "from hysdel_py.optimize.kernels.residual import violations\n"
+        "told = []\n"
+        "with told_of_compiling(lambda: told.append(0)):\n"
+        "    rows = (np.array([0, 1]), np.array([0]), np.ones(1))\n"
+        "    violations(rows, -np.ones(1), np.ones(1), -np.ones(1), np.ones(1), np.zeros(1))\n"
+        "print(len(told))\n"
+    )
+    environment = os.environ | {"NUMBA_CACHE_DIR": str(tmp_path)}
+    command = [sys.executable, "-c", text]
+    said = [
+        subprocess.run(command, env=environment, capture_output=True, text=True, check=True).stdout for _ in range(2)
+    ]
+    assert [int(words) for words in said] == [1, 0]
