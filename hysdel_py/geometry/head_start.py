@@ -7,6 +7,7 @@ programs, and the commands that read one small model ask for fewer. Both give th
 from __future__ import annotations
 
 import sys
+from collections.abc import Callable
 from functools import cache
 from importlib import import_module
 from types import SimpleNamespace
@@ -58,9 +59,18 @@ def _head_start() -> HeadStart:
 @cache
 def _plain() -> SimpleNamespace:
     module = import_module("hysdel_py.geometry.interpreted.programs")
-    quiet = np.errstate(all="ignore")  # compiled code says nothing either of what overflows
-    kernels = {name: quiet(getattr(module, name)) for name in ("maximised", "screened")}
+    kernels = {name: _quiet(getattr(module, name)) for name in ("maximised", "screened")}
     return SimpleNamespace(**kernels, OPTIMAL=module.OPTIMAL, INFEASIBLE=module.INFEASIBLE)
+
+
+def _quiet(kernel: Callable[..., Any]) -> Callable[..., Any]:
+    """A kernel that says no more than compiled code does of what overflows."""
+
+    def call(*arguments: Any) -> Any:
+        with np.errstate(all="ignore"):  # one for each call: before numpy 2 it is not to be shared among threads
+            return kernel(*arguments)
+
+    return call
 
 
 @cache

@@ -3,6 +3,7 @@
 import subprocess
 import sys
 from hashlib import sha256
+from threading import Thread
 from types import FunctionType
 
 import numpy as np
@@ -105,6 +106,26 @@ def test_plain_kernels_are_as_quiet_as_compiled_ones():
         with pytest.raises(FloatingPointError):
             plain.maximised(*given_)
         head_start._plain().maximised(*given_)
+
+
+def test_threads_that_run_plain_kernels_keep_what_they_say_of_overflow():
+    """A kernel of another thread begins and ends while this one runs."""
+
+    def other():
+        with np.errstate(all="warn"):
+            quiet(False)
+
+    def kernel(is_outer):
+        if is_outer:
+            thread = Thread(target=other)
+            thread.start()
+            thread.join()
+
+    quiet = head_start._quiet(kernel)
+    with np.errstate(all="raise"):
+        before = np.geterr()
+        quiet(True)
+        assert np.geterr() == before
 
 
 PRINT_FORM = """
