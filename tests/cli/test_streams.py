@@ -31,7 +31,9 @@ def test_a_full_output_is_told(command):
     assert run.stderr.count("\n") == 1
 
 
-@pytest.mark.parametrize(("command", "status"), [("nonsense", 2), ("check no_such_model", 1), ("check clutch -p a=1", 2)])
+@pytest.mark.parametrize(
+    ("command", "status"), [("nonsense", 2), ("check no_such_model", 1), ("check clutch -p a=1", 2)]
+)
 def test_messages_for_a_closed_error_stream_do_not_stand_on_the_output(command, status):
     run = shell(f"hysdel {command} 2>&-")
     assert (run.returncode, run.stdout) == (status, "")
