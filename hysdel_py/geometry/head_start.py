@@ -10,7 +10,7 @@ import sys
 from collections.abc import Callable
 from functools import cache
 from importlib import import_module
-from types import SimpleNamespace
+from types import ModuleType, SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -57,24 +57,26 @@ def _head_start() -> HeadStart:
 
 
 @cache
-def _plain() -> SimpleNamespace:
-    module = import_module("hysdel_py.geometry.interpreted.programs")
-    kernels = {name: _quiet(getattr(module, name)) for name in ("maximised", "screened")}
-    return SimpleNamespace(**kernels, OPTIMAL=module.OPTIMAL, INFEASIBLE=module.INFEASIBLE)
-
-
-def _quiet(kernel: Callable[..., Any]) -> Callable[..., Any]:
-    """A kernel that says no more than compiled code does of what overflows."""
-
-    def call(*arguments: Any) -> Any:
-        with np.errstate(all="ignore"):  # one for each call: before numpy 2 it is not to be shared among threads
-            return kernel(*arguments)
-
-    return call
+def _plain() -> Any:
+    return _quiet(import_module("hysdel_py.geometry.interpreted.programs"))
 
 
 @cache
 def _compiled() -> Any:
     from hysdel_py.geometry.kernels import programs as kernels
 
-    return kernels
+    return kernels if kernels_are_compiled() else _quiet(kernels)
+
+
+def _quiet(module: ModuleType) -> SimpleNamespace:
+    """Plain kernels that say no more than compiled ones do of what overflows."""
+    kernels = {name: _quietly(getattr(module, name)) for name in ("maximised", "screened")}
+    return SimpleNamespace(**kernels, OPTIMAL=module.OPTIMAL, INFEASIBLE=module.INFEASIBLE)
+
+
+def _quietly(kernel: Callable[..., Any]) -> Callable[..., Any]:
+    def call(*arguments: Any) -> Any:
+        with np.errstate(all="ignore"):  # one for each call: before numpy 2 it is not to be shared among threads
+            return kernel(*arguments)
+
+    return call

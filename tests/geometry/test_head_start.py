@@ -1,5 +1,6 @@
 """Plain kernels before compiled ones: the same numbers, and an end to it."""
 
+import os
 import subprocess
 import sys
 from hashlib import sha256
@@ -108,6 +109,24 @@ def test_plain_kernels_are_as_quiet_as_compiled_ones():
         head_start._plain().maximised(*given_)
 
 
+BEYOND_ALL_NUMBERS = """
+import numpy as np
+from hysdel_py.geometry.small_programs import greatest_values
+far = np.full(2, np.inf)
+A, b = np.array([[1e-150, 0.0]]), np.array([1e300])
+with np.errstate(all="raise"):
+    print(greatest_values(np.ones((1, 2)), A, b, -far, far, tolerance=1e-9).values)
+"""
+
+
+@pytest.mark.parametrize("disabled", ["1", ""])
+def test_programs_are_quiet_with_and_without_a_compiler(disabled):
+    environment = os.environ | {"NUMBA_DISABLE_JIT": disabled}
+    command = [sys.executable, "-c", BEYOND_ALL_NUMBERS]
+    run = subprocess.run(command, capture_output=True, text=True, check=False, env=environment)
+    assert (run.stdout, run.stderr) == ("[inf]\n", "")
+
+
 def test_threads_that_run_plain_kernels_keep_what_they_say_of_overflow():
     """A kernel of another thread begins and ends while this one runs."""
 
@@ -121,7 +140,7 @@ def test_threads_that_run_plain_kernels_keep_what_they_say_of_overflow():
             thread.start()
             thread.join()
 
-    quiet = head_start._quiet(kernel)
+    quiet = head_start._quietly(kernel)
     with np.errstate(all="raise"):
         before = np.geterr()
         quiet(True)
