@@ -20,7 +20,7 @@ from hysdel_py.compiled import kernels_are_compiled, kernels_wait
 __all__ = ["HeadStart", "loops_are_fast", "programs"]
 
 _ENTRIES = 10_000
-"""Plain Python takes 2 to 30 microseconds for each, up to 60 with 20 variables: at most what loading numba takes is lost."""
+"""Plain Python takes 2 to 60 microseconds for each, most with 20 variables: at most the time to load numba is lost."""
 
 
 class HeadStart:
