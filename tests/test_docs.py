@@ -18,6 +18,7 @@ WITH_C = {
     "tutorial.md": ("bodies_law", "bodies"),
     "microcontroller.md": ("tank_law", "tank_plant"),
 }
+BENCHMARK = re.compile(r"python (benchmarks/\w+\.py)([^`\n|]*)")
 LINK = re.compile(r"\[[^\]]*\]\(([^)\s]+)\)")
 
 
@@ -90,6 +91,13 @@ def test_links_lead_somewhere(page):
         assert target.exists(), f"{page.name} links to {link}"
         if anchor and target.suffix == ".md":
             assert anchor in anchors(target.read_text(encoding="utf-8")), f"{page.name} links to {link}"
+
+
+def test_benchmarks_that_pages_name_take_the_options_that_they_name():
+    named = [match.groups() for page in PAGES for match in BENCHMARK.finditer(page.read_text(encoding="utf-8"))]
+    asked = {(file, option) for file, rest in named for option in re.findall(r"(?<!\S)--[a-z-]+", rest)}
+    assert len(asked) > 10
+    assert not [pair for pair in asked if f'"{pair[1]}"' not in (ROOT / pair[0]).read_text(encoding="utf-8")]
 
 
 def test_the_blocks_are_found():

@@ -3,10 +3,8 @@
 from __future__ import annotations
 
 import argparse
-import os
 import sys
 from collections.abc import Collection, Sequence
-from contextlib import suppress
 from time import perf_counter
 
 from hysdel_py.cli.colour import painted
@@ -15,6 +13,7 @@ from hysdel_py.cli.drop_in_words import is_drop_in
 from hysdel_py.cli.negative_values import join_negative_values
 from hysdel_py.cli.output import print_json
 from hysdel_py.cli.progress import clear_progress, is_terminal, tell_of_plain_kernels, telling_of_compiling
+from hysdel_py.cli.streams import forget_output, open_missing_streams
 from hysdel_py.errors import ArgumentError, CompileError, HysdelError
 from hysdel_py.version import __version__
 
@@ -67,14 +66,19 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
     Wrong usage that is found while the arguments are read, and ``--help``, end by SystemExit, as usual.
     """
+    open_missing_streams()
     try:
         try:
             return _run(sys.argv[1:] if arguments is None else arguments)
         finally:
             sys.stdout.flush()
     except BrokenPipeError:
-        _forget_output()
+        forget_output()
         return FINE
+    except OSError as error:  # what a command leaves to be written in the end, as on a full disk
+        forget_output()
+        print(f"hysdel: error: {error.filename or 'standard output'}: {error.strerror or error}", file=sys.stderr)
+        return MISTAKE
     except KeyboardInterrupt:  # before a command runs: while those there are, or the arguments, are read
         print("interrupted", file=sys.stderr)
         return MISTAKE
@@ -182,12 +186,6 @@ def _report_compile_error(error: CompileError, options: argparse.Namespace) -> N
     if getattr(options, "json", False):
         print_json({"error": "the model has mistakes", "diagnostics": list(error.data)})
     print(painted(str(error), sys.stderr), file=sys.stderr, end="")
-
-
-def _forget_output() -> None:
-    """Send what is still to be written nowhere: its reader is gone, as in ``hysdel compile clutch | head -1``."""
-    with suppress(OSError, ValueError):
-        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
 
 
 if __name__ == "__main__":

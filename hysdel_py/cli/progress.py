@@ -13,7 +13,10 @@ from math import inf
 
 from hysdel_py.compiled.listening import told_of_compiling
 
-__all__ = ["Progress", "clear_progress", "counter", "progress_line", "tell_of_plain_kernels", "telling_of_compiling"]
+__all__ = [
+    "Progress", "clear_progress", "counter", "progress_line", "tell_of_plain_kernels", "telling_of_compiling",
+    "this_python",
+]  # fmt: skip
 
 _CLEAR = "\x1b[K"  # what a terminal takes as: empty the line from here on
 _CELLS = 24
@@ -117,8 +120,14 @@ def tell_of_plain_kernels(seconds: float) -> None:
     """Say what would make a command faster that took long in plain Python, where somebody watches."""
     if seconds < _LONG or not is_terminal() or find_spec("numba"):
         return
-    tip = "the extra `fast` (python -m pip install numba) compiles the solvers once and is faster from then on"
-    print(f"tip: {tip}", file=sys.stderr, flush=True)
+    fast = f"the extra `fast` ({this_python()} -m pip install numba)"
+    print(f"tip: {fast} compiles the solvers once and is faster from then on", file=sys.stderr, flush=True)
+
+
+def this_python() -> str:
+    """How to call the Python that runs, which need not be the first one on the path."""
+    path = sys.executable or "python"
+    return f'"{path}"' if " " in path else path
 
 
 def clear_progress(progress: object) -> None:

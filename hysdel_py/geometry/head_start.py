@@ -7,9 +7,10 @@ programs, and the commands that read one small model ask for fewer. Both give th
 from __future__ import annotations
 
 import sys
+from collections.abc import Callable
 from functools import cache
 from importlib import import_module
-from types import SimpleNamespace
+from types import ModuleType, SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -19,7 +20,7 @@ from hysdel_py.compiled import kernels_are_compiled, kernels_wait
 __all__ = ["HeadStart", "loops_are_fast", "programs"]
 
 _ENTRIES = 10_000
-"""Plain Python takes 8 to 30 microseconds for each: where numba is loaded in the end, at most half as much is lost."""
+"""Plain Python takes 2 to 60 microseconds for each, most with 20 variables: at most the time to load numba is lost."""
 
 
 class HeadStart:
@@ -56,15 +57,26 @@ def _head_start() -> HeadStart:
 
 
 @cache
-def _plain() -> SimpleNamespace:
-    module = import_module("hysdel_py.geometry.interpreted.programs")
-    quiet = np.errstate(all="ignore")  # compiled code says nothing either of what overflows
-    kernels = {name: quiet(getattr(module, name)) for name in ("maximised", "screened")}
-    return SimpleNamespace(**kernels, OPTIMAL=module.OPTIMAL, INFEASIBLE=module.INFEASIBLE)
+def _plain() -> Any:
+    return _quiet(import_module("hysdel_py.geometry.interpreted.programs"))
 
 
 @cache
 def _compiled() -> Any:
     from hysdel_py.geometry.kernels import programs as kernels
 
-    return kernels
+    return kernels if kernels_are_compiled() else _quiet(kernels)
+
+
+def _quiet(module: ModuleType) -> SimpleNamespace:
+    """Plain kernels that say no more than compiled ones do of what overflows."""
+    kernels = {name: _quietly(getattr(module, name)) for name in ("maximised", "screened")}
+    return SimpleNamespace(**kernels, OPTIMAL=module.OPTIMAL, INFEASIBLE=module.INFEASIBLE)
+
+
+def _quietly(kernel: Callable[..., Any]) -> Callable[..., Any]:
+    def call(*arguments: Any) -> Any:
+        with np.errstate(all="ignore"):  # one for each call: before numpy 2 it is not to be shared among threads
+            return kernel(*arguments)
+
+    return call

@@ -43,17 +43,24 @@ def parser_of(grammar: str, name: str, transformer: Transformer[Any, Any]) -> La
     """
     from lark import Lark, __version__
 
-    path = Path(cache_from_source(__file__)).with_name(f"{name}.{sys.implementation.cache_tag}.lark")
+    path = _place(name)
     key = f"{__version__} {sys.version_info[:2]} {_OPTIONS} {grammar}".encode()
-    kept = _read(path, key)
+    kept = _read(path, key) if path else None
     if kept is not None:
         # As Lark.load does, which takes no transformer.
         return Lark.__new__(Lark)._load(BytesIO(kept), transformer=transformer)
     parser = Lark(grammar, transformer=transformer, **_OPTIONS)
     tables = BytesIO()
     parser.save(tables, exclude_options=("transformer",))
-    _keep(path, key, tables.getvalue())
+    if path:
+        _keep(path, key, tables.getvalue())
     return parser
+
+
+def _place(name: str) -> Path | None:
+    """The file for the tables of a name; None where this Python keeps no byte code at all."""
+    tag = sys.implementation.cache_tag
+    return Path(cache_from_source(__file__)).with_name(f"{name}.{tag}.lark") if tag else None
 
 
 def _digest(key: bytes, tables: bytes) -> bytes:

@@ -10,7 +10,7 @@ import pytest
 from hysdel_py.cli.colour import painted
 from hysdel_py.cli.interrupt import first_interrupt
 from hysdel_py.cli.main import _guarded
-from hysdel_py.cli.progress import bar, is_terminal, progress_line, spoken
+from hysdel_py.cli.progress import bar, is_terminal, progress_line, spoken, this_python
 from hysdel_py.compiled.listening import compiling
 
 pytest.importorskip("pty", reason="there are no pseudo-terminals on this system")
@@ -152,7 +152,15 @@ def test_who_waited_for_plain_python_is_told_of_the_compiler(monkeypatch, capsys
     clock = iter([100.0, 100.0 + seconds])
     monkeypatch.setattr("hysdel_py.cli.main.perf_counter", lambda: next(clock))
     assert _guarded(argparse.Namespace(run=lambda options: 0, compiles=True)) == 0
-    assert ("the extra `fast`" in capsys.readouterr().err) is said
+    assert (f"the extra `fast` ({sys.executable} -m pip install numba)" in capsys.readouterr().err) is said
+
+
+@pytest.mark.parametrize(
+    ("path", "shown"), [("/v/bin/python", "/v/bin/python"), ("/my v/python", '"/my v/python"'), ("", "python")]
+)
+def test_advice_names_the_python_that_runs(monkeypatch, path, shown):
+    monkeypatch.setattr(sys, "executable", path)
+    assert this_python() == shown
 
 
 def test_the_first_interrupt_is_noted_and_the_second_obeyed():

@@ -1,8 +1,10 @@
 """Plain kernels before compiled ones: the same numbers, and an end to it."""
 
+import os
 import subprocess
 import sys
 from hashlib import sha256
+from threading import Thread
 from types import FunctionType
 
 import numpy as np
@@ -105,6 +107,44 @@ def test_plain_kernels_are_as_quiet_as_compiled_ones():
         with pytest.raises(FloatingPointError):
             plain.maximised(*given_)
         head_start._plain().maximised(*given_)
+
+
+BEYOND_ALL_NUMBERS = """
+import numpy as np
+from hysdel_py.geometry.small_programs import greatest_values
+far = np.full(2, np.inf)
+A, b = np.array([[1e-150, 0.0]]), np.array([1e300])
+with np.errstate(all="raise"):
+    print(greatest_values(np.ones((1, 2)), A, b, -far, far, tolerance=1e-9).values)
+"""
+
+
+@pytest.mark.parametrize("disabled", ["1", ""])
+def test_programs_are_quiet_with_and_without_a_compiler(disabled):
+    environment = os.environ | {"NUMBA_DISABLE_JIT": disabled}
+    command = [sys.executable, "-c", BEYOND_ALL_NUMBERS]
+    run = subprocess.run(command, capture_output=True, text=True, check=False, env=environment)
+    assert (run.stdout, run.stderr) == ("[inf]\n", "")
+
+
+def test_threads_that_run_plain_kernels_keep_what_they_say_of_overflow():
+    """A kernel of another thread begins and ends while this one runs."""
+
+    def other():
+        with np.errstate(all="warn"):
+            quiet(False)
+
+    def kernel(is_outer):
+        if is_outer:
+            thread = Thread(target=other)
+            thread.start()
+            thread.join()
+
+    quiet = head_start._quietly(kernel)
+    with np.errstate(all="raise"):
+        before = np.geterr()
+        quiet(True)
+        assert np.geterr() == before
 
 
 PRINT_FORM = """

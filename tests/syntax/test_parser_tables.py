@@ -109,3 +109,8 @@ def test_without_a_place_the_tables_are_worked_out_anew(folder, built, monkeypat
     made()
     assert len(built) == 2
     assert not list(folder.iterdir())
+
+
+def test_a_python_that_keeps_no_byte_code_reads_models_all_the_same(monkeypatch):
+    monkeypatch.setattr(sys.implementation, "cache_tag", None)
+    assert made().parse
