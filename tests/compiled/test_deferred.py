@@ -105,29 +105,17 @@ def test_numba_alone_will_do(monkeypatch):
 
 
 @needs_numba
-def test_who_listens_is_told_before_a_kernel_is_compiled():
-    @compiled
-    def twice(x):
-        return 2 * x
-
-    told = []
-    with told_of_compiling(lambda: told.append(len(twice.entry.signatures))):
-        assert (twice(1), twice(2), twice(1.5)) == (2, 4, 3.0)
-    assert told == [0, 1]
-    assert twice(1j) == 2j
-    assert told == [0, 1]
-
-
-@needs_numba
-def test_nobody_is_told_of_what_is_on_disk(tmp_path):
+def test_who_listens_is_told_of_what_is_compiled_and_not_of_what_is_on_disk(tmp_path):
     text = (
         "import sys, numpy as np\n"
         "from hysdel_py.compiled import told_of_compiling\n"
+        "from hysdel_py.optimize.kernels.linear import dot\n"
         "from hysdel_py.optimize.kernels.residual import violations\n"
         "told = []\n"
         "with told_of_compiling(lambda: told.append(0)):\n"
         "    rows = (np.array([0, 1]), np.array([0]), np.ones(1))\n"
         "    violations(rows, -np.ones(1), np.ones(1), -np.ones(1), np.ones(1), np.zeros(1))\n"
+        "dot(np.ones(1), np.ones(1))  # nobody listens any more\n"
         "print(len(told))\n"
     )
     environment = os.environ | {"NUMBA_CACHE_DIR": str(tmp_path)}
