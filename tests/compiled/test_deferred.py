@@ -8,7 +8,7 @@ import sys
 import numpy as np
 import pytest
 
-from hysdel_py.compiled import compiled, kernels_are_compiled, leaf, told_of_compiling
+from hysdel_py.compiled import compiled, kernels_are_compiled, leaf
 from hysdel_py.compiled import decorators as module
 
 needs_numba = pytest.mark.skipif(not kernels_are_compiled(), reason="nothing is compiled without numba")
