@@ -110,9 +110,21 @@ def _parse(parser: argparse.ArgumentParser, arguments: Sequence[str]) -> argpars
     try:
         return parser.parse_args(arguments)
     except SystemExit as stop:
+        if stop.code:
+            _suggest_command(arguments)
         if stop.code and "--json" in arguments:
             print_json({"error": "wrong usage; the message is on the error stream"})
         raise
+
+
+def _suggest_command(arguments: Sequence[str]) -> None:
+    """Name the command that was meant, where a word is nearly one."""
+    from difflib import get_close_matches
+
+    word = next((argument for argument in arguments if not argument.startswith("-")), "")
+    close = [] if word in COMMANDS else get_close_matches(word, COMMANDS, n=1)
+    if close:
+        print(f"help: did you mean hysdel {close[0]}?", file=sys.stderr)
 
 
 def _run_drop_in(arguments: Sequence[str]) -> int:

@@ -60,6 +60,8 @@ def test_version(hysdel):
     ("arguments", "words"),
     [
         (["fly"], "invalid choice"),
+        (["chek", "tank.hys"], "help: did you mean hysdel check?"),
+        (["infeasible"], "help: did you mean hysdel explain-infeasible?"),
         (["check"], "FILE"),
         (["check", "tank.hys", "--fast"], "--fast"),
         (["simulate", "tank.hys", "--steps", "few"], "few"),
