@@ -47,8 +47,9 @@ def parser_of(grammar: str, name: str, transformer: Transformer[Any, Any]) -> La
     key = f"{__version__} {sys.version_info[:2]} {_OPTIONS} {grammar}".encode()
     kept = _read(path, key) if path else None
     if kept is not None:
-        # As Lark.load does, which takes no transformer.
-        return Lark.__new__(Lark)._load(BytesIO(kept), transformer=transformer)
+        # As Lark.load does, which takes no transformer; a lark that does it in another way makes its tables anew.
+        with suppress(AttributeError, TypeError):
+            return Lark.__new__(Lark)._load(BytesIO(kept), transformer=transformer)
     parser = Lark(grammar, transformer=transformer, **_OPTIONS)
     tables = BytesIO()
     parser.save(tables, exclude_options=("transformer",))

@@ -114,3 +114,14 @@ def test_without_a_place_the_tables_are_worked_out_anew(folder, built, monkeypat
 def test_a_python_that_keeps_no_byte_code_reads_models_all_the_same(monkeypatch):
     monkeypatch.setattr(sys.implementation, "cache_tag", None)
     assert made().parse
+
+
+def test_a_lark_that_cannot_read_them_makes_them_anew(folder, built, monkeypatch):
+    made()
+
+    def refuse(*_, **__):
+        raise TypeError("other arguments")
+
+    monkeypatch.setattr(Lark, "_load", refuse)
+    made()
+    assert len(built) == 2
