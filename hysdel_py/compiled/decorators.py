@@ -17,7 +17,9 @@ from importlib.util import find_spec
 from pathlib import Path
 from typing import Any, TypeVar
 
-__all__ = ["cached", "compiled", "either", "kernels_are_compiled", "kernels_wait", "leaf", "reordered"]
+from hysdel_py.compiled.caching import cached
+
+__all__ = ["compiled", "either", "kernels_are_compiled", "kernels_wait", "leaf", "reordered"]
 
 F = TypeVar("F", bound=Callable[..., Any])
 
@@ -61,16 +63,6 @@ def _kernel() -> Callable[..., Any]:
     return Kernel
 
 
-def cached(function: F, **options: Any) -> F:
-    """What ``numba.njit`` makes of a function, kept on disk where there is a place."""
-    import numba
-
-    try:
-        return numba.njit(cache=True, **options)(function)  # type: ignore[no-any-return]
-    except RuntimeError:  # no place to keep the compiled code
-        return numba.njit(**options)(function)  # type: ignore[no-any-return]
-
-
 def either(loops: F, arrays: F, kernel: Callable[[F], F] = compiled) -> F:
     """The compiled loops, or where nothing is compiled the same step as whole-array operations.
 
@@ -92,7 +84,8 @@ def kernels_are_compiled() -> bool:
 
 def kernels_wait() -> bool:
     """Whether kernels would run as compiled code of which nothing has been loaded; told without loading it."""
-    return "numba" not in sys.modules and not os.environ.get("NUMBA_DISABLE_JIT") and find_spec("numba") is not None
+    is_wanted = os.environ.get("NUMBA_DISABLE_JIT", "0") in ("", "0")
+    return is_wanted and "numba" not in sys.modules and find_spec("numba") is not None
 
 
 @cache

@@ -25,7 +25,7 @@ from numba.core.registry import CPUDispatcher
 from numba.core.typed_passes import NativeLowering
 from numba.core.types import unliteral
 
-from hysdel_py.compiled.decorators import cached
+from hysdel_py.compiled.caching import cached
 from hysdel_py.compiled.listening import compiling
 
 __all__ = ["Kernel"]

@@ -8,7 +8,7 @@ import sys
 import numpy as np
 import pytest
 
-from hysdel_py.compiled import compiled, kernels_are_compiled, leaf
+from hysdel_py.compiled import caching, compiled, kernels_are_compiled, leaf
 from hysdel_py.compiled import decorators as module
 
 needs_numba = pytest.mark.skipif(not kernels_are_compiled(), reason="nothing is compiled without numba")
@@ -94,7 +94,7 @@ def test_a_kernel_is_pickled_by_its_name():
 
 @needs_numba
 def test_numba_alone_will_do(monkeypatch):
-    monkeypatch.setattr(module, "_kernel", lambda: module.cached)
+    monkeypatch.setattr(module, "_kernel", lambda: caching.cached)
 
     @compiled
     def three():
