@@ -31,6 +31,8 @@ SLICE = 256
 """Most nodes between two looks at the clock where nobody listens."""
 PATIENCE = 0.5
 """Share of the time that is left which the nodes up to the next look at the clock may take."""
+AS_LONG_AS = 6
+"""Nodes that take as long as one probing of the whole problem, or a little longer."""
 NOTHING = np.zeros(0)
 _FATES = (NodeFate.SPLIT, NodeFate.CUT_OFF, NodeFate.INFEASIBLE, NodeFate.LEAF)
 """In the order of the numbers that the loop has for them."""
@@ -150,7 +152,9 @@ class CompiledSearch:
         """One slice of the compiled loop, and what it needs afterwards."""
         from hysdel_py.optimize.kernels import search as kernel
 
-        reason = self._loop(self._slice())
+        nodes = self._slice()
+        self._postpone_probing(nodes)
+        reason = self._loop(nodes)
         if self.progress is not None:
             self.search.record = self._record()
         if reason == kernel.FULL:
@@ -200,6 +204,18 @@ class CompiledSearch:
         spent = perf_counter() - s.start
         left = s.settings.time_limit - spent
         return min(SLICE, PATIENCE * left * s.nodes / spent)
+
+    def _postpone_probing(self, nodes: int) -> None:
+        """No probing among the next nodes where it would not end in time."""
+        from hysdel_py.optimize.kernels import tree
+
+        s, counters = self.search, self.space.state[its.COUNTERS]
+        after = counters[tree.NODES] + nodes
+        if s.settings.time_limit == inf or after <= counters[tree.PROBING]:
+            return
+        spent = perf_counter() - s.start
+        if s.settings.time_limit - spent < AS_LONG_AS * spent / max(s.nodes, 1):
+            counters[tree.PROBING] = after
 
     def _take_over(self) -> None:
         """Tell the search in Python what the compiled loop has found."""

@@ -6,10 +6,12 @@ import numpy as np
 import pytest
 
 from hysdel_py.compiled import kernels_are_compiled
-from hysdel_py.optimize import workspace
+from hysdel_py.optimize import compiled_search, workspace
 from hysdel_py.optimize.certificate import Certifier
 from hysdel_py.optimize.compiled_search import CompiledSearch
 from hysdel_py.optimize.dense import DenseSettings, dense_solver
+from hysdel_py.optimize.kernels import places as its
+from hysdel_py.optimize.kernels import tree
 from hysdel_py.optimize.kernels.certificate import bound_below, excess, farkas_bound
 from hysdel_py.optimize.miqp import MiqpSettings, MiqpSolver, MiqpStatus, solve_miqp
 from hysdel_py.optimize.mixed_integer import NodeFate
@@ -98,6 +100,17 @@ def test_the_tree_grows(two_mode_problem, monkeypatch):
     narrow = solve_miqp(two_mode_problem(horizon=6), settings)
     assert wide.nodes > 5
     assert (narrow.objective, narrow.nodes, narrow.bound) == (wide.objective, wide.nodes, wide.bound)
+
+
+@pytest.mark.parametrize("is_late", [False, True])
+def test_a_probing_that_would_not_end_in_time_is_put_off(two_mode_problem, monkeypatch, is_late):
+    miqp = two_mode_problem(horizon=6)
+    monkeypatch.setattr(compiled_search, "AS_LONG_AS", np.inf if is_late else 0)
+    solver = MiqpSolver(miqp, MiqpSettings(backend="dense", rounding=0, probing=2, time_limit=1e3))
+    result, counters = solver.solve(), solver.workspace.state[its.COUNTERS]
+    assert result.nodes > 2
+    assert (counters[tree.PROBING] >= 2 * 4) is not is_late
+    assert result.objective == pytest.approx(solve_miqp(miqp).objective, abs=1e-5)
 
 
 def test_the_drivers_of_the_solution_give_the_solution(two_mode_problem):
