@@ -40,8 +40,6 @@ class Consistency:
 
     Attributes
     ----------
-    calls : int
-        Searches so far.
     doubtful : bool
         Whether a search ended without an answer; the set was then taken to be consistent.
     """
@@ -52,11 +50,15 @@ class Consistency:
         self.horizon = horizon
         self.clock = clock
         self.tolerances = tolerances
-        self.calls = 0
         self.doubtful = False
         self._known = _Known([], [])
         self._owner = _owners(horizon)
         self._check = _Residuals(horizon, tolerances.rows)
+
+    @property
+    def calls(self) -> int:
+        """Searches so far, with those of whoever had the clock before."""
+        return self.clock.searches
 
     @property
     def members(self) -> Set:
@@ -86,7 +88,6 @@ class Consistency:
 
     def search(self, elements: Set) -> Answer:
         """A point at which the elements hold."""
-        self.calls += 1
         return self.problem(elements).search(seconds=self.clock.allowance())
 
     def problem(self, elements: Set) -> Milp:
@@ -138,7 +139,6 @@ class Consistency:
                 below, above = problem.real(0.0), problem.real(0.0)
                 problem.row({**dict(row.terms), below: size, above: -size}, row.low, row.high)
                 costs |= {below: 1.0, above: 1.0}
-        self.calls += 1
         answer = problem.search(costs, seconds=self.clock.allowance(), nodes=_NODES)
         if answer.status is Status.FOUND:
             self._known.consistent.append(consistent | self._check.satisfied(answer.w[: self.horizon.problem.n]))

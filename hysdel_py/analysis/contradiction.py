@@ -114,7 +114,6 @@ def find_contradiction(
     if kept_apart is None or consistency.clock.is_over or not finding.message.startswith(_NOT_CONFIRMED):
         return finding
     apart = Consistency(kept_apart(tolerances.apart), consistency.clock, tolerances)
-    apart.calls = consistency.calls
     second = _settled(dha, apart, demands)
     # The first search had a point, which misses what is demanded by no more than the tolerance of the solver.
     return replace(second, borderline=True, violation=tolerances.rows) if second.members or second.ends else second

@@ -59,7 +59,6 @@ def least_common_violation(consistency: Consistency) -> float:
     soft: list[Part] = [m for m in horizon.members if m.kind in _INEQUALITIES and m.numeric]
     soft += [end for end in horizon.ends if not end.derived]
     problem, t = _softened(consistency, soft)
-    consistency.calls += 1
     answer = problem.search({t: 1.0}, seconds=consistency.clock.allowance())
     return max(0.0, answer.value) if answer.status is Status.FOUND else inf
 
@@ -101,7 +100,6 @@ def _without(consistency: Consistency, part: Part) -> Repair | None:
 
 def _amount(consistency: Consistency, part: Part) -> Repair | None:
     problem, t = _softened(consistency, _whole(consistency.horizon, part))
-    consistency.calls += 1
     answer = problem.search({t: 1.0}, seconds=consistency.clock.allowance())
     if answer.status is not Status.FOUND:
         return None

@@ -195,26 +195,23 @@ class CompiledSearch:
         s = self.search
         if self.progress is not None or s.heuristic is not None or not kernels_are_compiled():
             return 1
-        most = SLICE if s.settings.time_limit == inf else self._affordable()
-        return int(max(1, min(most, s.settings.node_limit - s.nodes)))
+        return int(max(1, min(SLICE, PATIENCE * self._affordable(), s.settings.node_limit - s.nodes)))
 
     def _affordable(self) -> float:
-        """Nodes that fit into the time that is left, as far as those before tell; one at first."""
+        """Nodes that fit into the time that is left, as far as those before tell; none at first."""
         s = self.search
+        if s.settings.time_limit == inf:
+            return inf
         spent = perf_counter() - s.start
-        left = s.settings.time_limit - spent
-        return min(SLICE, PATIENCE * left * s.nodes / spent)
+        return (s.settings.time_limit - spent) * s.nodes / spent
 
     def _postpone_probing(self, nodes: int) -> None:
         """No probing among the next nodes where it would not end in time."""
         from hysdel_py.optimize.kernels import tree
 
-        s, counters = self.search, self.space.state[its.COUNTERS]
+        counters = self.space.state[its.COUNTERS]
         after = counters[tree.NODES] + nodes
-        if s.settings.time_limit == inf or after <= counters[tree.PROBING]:
-            return
-        spent = perf_counter() - s.start
-        if s.settings.time_limit - spent < AS_LONG_AS * spent / max(s.nodes, 1):
+        if after > counters[tree.PROBING] and self._affordable() < AS_LONG_AS:
             counters[tree.PROBING] = after
 
     def _take_over(self) -> None:

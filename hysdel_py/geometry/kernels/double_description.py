@@ -18,6 +18,7 @@ from typing import Any
 import numpy as np
 
 from hysdel_py.compiled import either, leaf
+from hysdel_py.geometry.kernels.linear_program import product
 
 __all__ = ["TOO_LONG", "UNSURE", "extreme_rays"]
 
@@ -35,12 +36,19 @@ _NONE = np.uint64(0)
 
 @leaf
 def _to_unit(rays: Any, k: int) -> None:
-    total = 0.0
-    for j in range(rays.shape[1]):
-        total += rays[k, j] * rays[k, j]
-    total = np.sqrt(total)
+    total = np.sqrt(product(rays[k], rays[k]))
     for j in range(rays.shape[1]):
         rays[k, j] /= total
+
+
+@leaf
+def _moved_onto(H: Any, row: int, ray: Any, others: Any, count: int) -> None:
+    """Move the first of some lines or rays along a ray onto a row, on which the ray has the value 1."""
+    for k in range(count):
+        share = product(H[row], others[k])
+        for j in range(H.shape[1]):
+            others[k, j] -= share * ray[j]
+        _to_unit(others, k)
 
 
 @leaf
@@ -51,9 +59,7 @@ def _farthest_from_lines(H: Any, lines: Any, left: int, used: Any, pair: Any) ->
         if used[i]:
             continue
         for k in range(left):
-            value = 0.0
-            for j in range(H.shape[1]):
-                value += H[i, j] * lines[k, j]
+            value = product(H[i], lines[k])
             if abs(value) > 1.001 * most:
                 pair[0], pair[1], most = i, k, abs(value)
     return most
@@ -63,26 +69,12 @@ def _farthest_from_lines(H: Any, lines: Any, left: int, used: Any, pair: Any) ->
 def _made_ray(H: Any, lines: Any, left: int, pair: Any, rays: Any, count: int) -> None:
     """The line of a pair becomes the last ray; the other lines and rays move along it onto the row of the pair."""
     row, line, d = pair[0], pair[1], H.shape[1]
-    value = 0.0
-    for j in range(d):
-        value += H[row, j] * lines[line, j]
+    value = product(H[row], lines[line])
     for j in range(d):
         rays[count, j] = lines[line, j] / value
         lines[line, j] = lines[left - 1, j]
-    for k in range(left - 1):
-        share = 0.0
-        for j in range(d):
-            share += H[row, j] * lines[k, j]
-        for j in range(d):
-            lines[k, j] -= share * rays[count, j]
-        _to_unit(lines, k)
-    for k in range(count):
-        share = 0.0
-        for j in range(d):
-            share += H[row, j] * rays[k, j]
-        for j in range(d):
-            rays[k, j] -= share * rays[count, j]
-        _to_unit(rays, k)
+    _moved_onto(H, row, rays[count], lines, left - 1)
+    _moved_onto(H, row, rays[count], rays, count)
     _to_unit(rays, count)
 
 
@@ -95,9 +87,7 @@ def _judged(H: Any, row: int, rays: Any, count: int, values: Any, order: Any) ->
     """
     above, below = 0, len(order)
     for k in range(count):
-        value = 0.0
-        for j in range(H.shape[1]):
-            value += H[row, j] * rays[k, j]
+        value = product(H[row], rays[k])
         if abs(value) <= _ZERO:
             value = 0.0
         elif abs(value) < _SURE:
@@ -205,9 +195,7 @@ def _stands(H: Any, rays: Any, bits: Any, count: int) -> bool:
     """Whether each ray fulfils all rows, and those with equality that it should."""
     for k in range(count):
         for i in range(len(H)):
-            value = 0.0
-            for j in range(H.shape[1]):
-                value += H[i, j] * rays[k, j]
+            value = product(H[i], rays[k])
             is_on = (bits[k, i >> 6] >> np.uint64(i & 63)) & _ONE
             if value < -_ZERO or (is_on != _NONE) != (value <= _ZERO):
                 return False

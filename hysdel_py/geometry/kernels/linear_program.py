@@ -17,7 +17,7 @@ import numpy as np
 
 from hysdel_py.compiled import either, leaf
 
-__all__ = ["INFEASIBLE", "OPTIMAL", "UNBOUNDED", "UNKNOWN", "solved"]
+__all__ = ["INFEASIBLE", "OPTIMAL", "UNBOUNDED", "UNKNOWN", "product", "solved"]
 
 OPTIMAL, INFEASIBLE, UNBOUNDED, UNKNOWN = 0, 1, 2, 3
 
@@ -213,7 +213,8 @@ def _how_far(G: Any, h: Any, m: int, lb: Any, ub: Any, near: Any, far: Any) -> f
 
 
 @leaf
-def _product(v: Any, w: Any) -> float:
+def product(v: Any, w: Any) -> float:
+    """Sum of the products of two vectors, from the first to the last."""
     total = 0.0
     for j in range(len(v)):
         total += v[j] * w[j]
@@ -297,7 +298,7 @@ def solved(
         leaves = _leaving(price, share)
         if leaves < 0:
             side = _side_of(enters, h, m, lb, ub)[0]
-            return INFEASIBLE if _product(normal, near) - side > _CLEARLY * total * max(1.0, abs(side)) else UNKNOWN
+            return INFEASIBLE if product(normal, near) - side > _CLEARLY * total * max(1.0, abs(side)) else UNKNOWN
         _exchanged(inverse, price, share, leaves)
         basis[leaves] = enters
     return UNKNOWN
